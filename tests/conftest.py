@@ -43,15 +43,15 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
         left = _processes() - before
         deadline = time.monotonic() + 2
         started = [thread for thread in threading.enumerate() if thread not in threads and not _is_kept(thread)]
-        going_on = [thread.name for thread in started if _goes_on(thread, deadline)]
+        alive = [thread.name for thread in started if _is_alive(thread, deadline)]
         while left and time.monotonic() < deadline:
             time.sleep(0.02)
             left &= _processes()
         names = [_killed(process) for process in left]
     if names:
         pytest.fail(f"processes were left behind: {', '.join(names)}")
-    if going_on:
-        pytest.fail(f"threads were left behind: {', '.join(going_on)}")
+    if alive:
+        pytest.fail(f"threads were left behind: {', '.join(alive)}")
 
 
 def _is_kept(thread: threading.Thread) -> bool:
@@ -59,7 +59,7 @@ def _is_kept(thread: threading.Thread) -> bool:
     return thread.name.startswith(("layout", "quickjs-worker"))
 
 
-def _goes_on(thread: threading.Thread, deadline: float) -> bool:
+def _is_alive(thread: threading.Thread, deadline: float) -> bool:
     """Whether it has not ended by the deadline. If it has ended, pytest knows what it has raised."""
     thread.join(max(0, deadline - time.monotonic()))
     return thread.is_alive()

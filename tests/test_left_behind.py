@@ -22,7 +22,7 @@ TESTS = {
     "a thread that raises when the test is over": (
         "import threading\n\ndef test_it():\n    threading.Timer(0.2, lambda: 1 / 0).start()\n"
     ),
-    "a thread that goes on": (
+    "a thread that continues": (
         "import threading, time\n\n"
         "def test_it():\n"
         "    threading.Thread(target=time.sleep, args=(60,), daemon=True, name='sleeper').start()\n"
@@ -34,7 +34,7 @@ WORDS = {
     "a coroutine": "was never awaited",
     "a thread that raises": "ZeroDivisionError",
     "a thread that raises when the test is over": "ZeroDivisionError",
-    "a thread that goes on": "threads were left behind: sleeper",
+    "a thread that continues": "threads were left behind: sleeper",
 }
 
 

@@ -1,4 +1,4 @@
-"""The report of a deadlock: who waits for whom.
+"""The report of a deadlock: which processes wait for which.
 
 Channels do not know their users. When nothing can continue, they are found where they are referred to: in the local
 variables of the coroutines that wait, and in the attributes of their processes. A waiting process is the partner of

@@ -1,4 +1,4 @@
-"""Runs that somebody else leads, step by step, with a policy."""
+"""Runs that the caller leads, step by step, with a policy."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class Run(RunData):
     """
 
     def unread(self, name: str) -> Sequence[bool]:
-        """For each sample of a sampled input, whether nobody read it before the next one arrived. Raises
+        """For each sample of a sampled input, whether it was not read before the next one arrived. Raises
         UnknownSignalError.
         """
         self._signal(name)

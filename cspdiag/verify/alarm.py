@@ -88,7 +88,7 @@ class _Alarm:
                 pass
 
     def restore(self) -> None:
-        """Report again what fails where nobody can catch it."""
+        """Report again what fails where it cannot be caught."""
         sys.unraisablehook = self._hook
         if self._thread.is_alive():
             self._thread.join()

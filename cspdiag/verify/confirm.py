@@ -170,7 +170,7 @@ class Verifier:
                 continue
             found = answer.counterexample
             if found.failure == "knot" and self._may_fail(question.process):
-                continue  # What others go on to do may end the program, and the knot with it.
+                continue  # What others do next may end the program, and the knot with it.
             without_end = replaced(found, failure="no termination") if claim == "livelock free" else found
             return replaced(answer, question=question, counterexample=without_end)
         return None

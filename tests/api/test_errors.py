@@ -90,7 +90,7 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
     ("negative time", lambda: program().run(until=-1), ValueError, "a run cannot last -1.0 s"),
     ("negative time in words", lambda: program().run(until="-1 s"), ValueError, "a run cannot last -1 s"),
     ("no time", lambda: program().run(until="soon"), ValueError, "`soon` is not a time"),
-    ("time that is no number", lambda: program().run(until=math.nan), ValueError, "`nan s` is not a time"),
+    ("time that is not a number", lambda: program().run(until=math.nan), ValueError, "`nan s` is not a time"),
     ("truth for a time", lambda: program().run(until=True), ValueError, "`True s` is not a time"),
     ("level to run", lambda: program().run(level=2), cspdiag.ArgumentError, (
         "no optimization level 2: choose 0, 1 or 'reference'$"
@@ -107,7 +107,7 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
     ("measured path", lambda: program().timing(measured={"nobody": 1}), ValueError, "no law or process `nobody`"),
     ("measured time", lambda: program().timing(measured={"Jiwy.vertical.homing.servo": -1}), ValueError, "not -1"),
     ("state", lambda: program().margins(at={"nobody": 1}), ValueError, "has no state `nobody` .it has: pan"),
-    ("state of no number", lambda: program().margins(at={"pan.speed": math.nan}), ValueError, "finite.* not nan"),
+    ("state that is not a number", lambda: program().margins(at={"pan.speed": math.nan}), ValueError, "finite.* not nan"),
     ("state that is infinite", lambda: program().margins(at={"pan.speed": math.inf}), ValueError, "finite.* not inf"),
     ("limit that no timer has", lambda: program().verify(time_limit=1e300), ValueError, "up to 1e.06, not 1e.300"),
     ("measured for ages", lambda: program().timing(measured={"Jiwy.vertical.homing.servo": 1e300}), ValueError,

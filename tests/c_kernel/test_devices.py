@@ -122,7 +122,7 @@ def test_missed_samples_are_counted(machine: Path) -> None:
 
 @pytest.mark.parametrize("sent", STOPPING)
 def test_signals_stop_the_run_with_safe_outputs(machine: Path, sent: int) -> None:
-    found = ended(machine, "goes on", signals=[sent])
+    found = ended(machine, "continues", signals=[sent])
     assert found.status == 128 + sent
     assert found.releases == BOTH
     assert f"ending {STOPPED}" in found.lines
@@ -130,7 +130,7 @@ def test_signals_stop_the_run_with_safe_outputs(machine: Path, sent: int) -> Non
 
 @pytest.mark.parametrize("sent", CRASHES)
 def test_signals_of_crashes_release_the_outputs(machine: Path, sent: int) -> None:
-    found = ended(machine, "goes on", signals=[sent])
+    found = ended(machine, "continues", signals=[sent])
     assert found.status == -sent
     assert found.releases == BOTH
 
@@ -139,7 +139,7 @@ def test_signals_of_crashes_release_the_outputs(machine: Path, sent: int) -> Non
 def test_ignored_signals_stay_ignored(machine: Path, number: str) -> None:
     """As a shell starts a job in the background, and as ``nohup`` does."""
     script = machine.with_name(f"ignores_{number}")
-    script.write_text(f"#!/bin/sh\ntrap '' {number}\nexec {machine} 'goes on'\n")
+    script.write_text(f"#!/bin/sh\ntrap '' {number}\nexec {machine} 'continues'\n")
     script.chmod(0o755)
     found = ended(script, signals=[signal.Signals[f"SIG{number}"], signal.SIGALRM])
     assert found.status == 128 + signal.SIGALRM
@@ -196,7 +196,7 @@ def test_a_run_that_holds_signals_back_is_released_from_outside(machine: Path) -
 
 @pytest.mark.parametrize("count", [2, 6])
 def test_many_signals_count_as_one(machine: Path, count: int) -> None:
-    found = ended(machine, "goes on", signals=[signal.SIGINT, *[signal.SIGTERM] * (count - 1)])
+    found = ended(machine, "continues", signals=[signal.SIGINT, *[signal.SIGTERM] * (count - 1)])
     assert found.status in (128 + signal.SIGINT, 128 + signal.SIGTERM)
     assert found.releases == BOTH
 

@@ -60,7 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--target", dest="target_option", metavar="TARGET", help="the same, as an option")
     parser.add_argument("--for", dest="limit", type=float, default=1200.0, metavar="MS", help="simulated milliseconds")
-    parser.add_argument("--random", type=int, default=0, metavar="N", help="so many random programs instead")
+    parser.add_argument("--random", type=int, default=0, metavar="N", help="N random programs instead")
     parser.add_argument(
         "--seed", type=int, default=None, help="of the random programs; without it other ones each time"
     )

@@ -21,7 +21,7 @@ class ObservedRun(Recorder):
 
     @property
     def waits(self) -> tuple[str, ...] | None:
-        """What each process waited for then; None if that is not known, or if there were not so many communications."""
+        """What each process waited for then; None if that is not known, or if there were fewer communications."""
         assert isinstance(self.communication_log, _Log)
         return self.communication_log.waits
 

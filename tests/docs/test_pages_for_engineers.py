@@ -132,12 +132,12 @@ class Interrupted(Process):
         self.numbers = Channel[int]("Top.numbers")
 
     async def run(self) -> None:
-        await interrupt(self.reads, After(ms), self.goes_on)
+        await interrupt(self.reads, After(ms), self.continues)
 
     async def reads(self) -> None:
         await self.numbers.reader(self).read()
 
-    async def goes_on(self) -> None:
+    async def continues(self) -> None:
         await wait(ms)
 
 

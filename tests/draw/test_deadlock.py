@@ -280,7 +280,7 @@ def test_run_draws_its_deadlock(target: str, tmp_path: Path, capsys: pytest.Capt
         assert f">fork[{number}]<" in text
         assert f">waits to write philosopher[{number}].second<" in text
     assert "each process waits for the one that its arrow leads to" in text
-    assert ("Everybody takes the left fork first" in text) is engine.available()
+    assert ("Every philosopher takes the left fork first" in text) is engine.available()
     assert (">Philosopher</tspan>" in text and ">Fork</tspan>" in text) is engine.available()
 
 

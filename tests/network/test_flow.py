@@ -131,7 +131,7 @@ process Main { in u : int  communication { inner : Inner  u -> inner.u }  compos
     assert may_end(main)
     assert not may_end(main, {"inner"})
     assert never_ends(network)
-    assert never_ends(optimize(network)), "the same is said of a process that was flattened into another"
+    assert never_ends(optimize(network)), "the same holds for a process that was flattened into another"
 
 
 def test_an_edge_leads_to_the_handler_from_every_part_of_its_body() -> None:

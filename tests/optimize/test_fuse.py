@@ -275,7 +275,7 @@ FUSED = {
     "what happens first is not what happens then": program(
         SENDER.replace("mu (", "o ! 5 ; o ! 6 ; wait 3 ms ; mu (") + RECEIVER, PAIR, "s || r"
     ),
-    "a process ends, and another goes on": program(
+    "a process ends, and another continues": program(
         SENDER.replace("mu (o ! n ; n := n + 1 ; wait 1 ms)", "mu (o ! n ; n := n + 1 ; wait 1 ms) until n == 3")
         + RECEIVER.replace("var v : int", "var v : int  var k : int = 0").replace("mu i ? v", (
             "(mu (i ? v ; k := k + 1) until k == 3) ; mu wait 2 ms"

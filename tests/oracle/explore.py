@@ -187,7 +187,7 @@ def _successors(machine: Machine, chooser: Chooser, st: State, free: bool) -> It
             prefixes += chooser.following()
             made = tuple(chooser.made)
             what += "".join(f", {channel} {value}" for channel, value, _ in made)
-            moved = frozenset(tid for tid, thread in st.threads.items() if _went_on(thread, after.threads.get(tid)))
+            moved = frozenset(tid for tid, thread in st.threads.items() if _moved(thread, after.threads.get(tid)))
             passes = after.now > st.now
             written, visible = tuple(machine.written), tuple(machine.visible)
             yield after, Edge(-1, passes, made, what, written, moved, visible, outside=tid is None)
@@ -203,7 +203,7 @@ def _events(machine: Machine, st: State, awaited: set[str]) -> Iterator[tuple[St
                 yield after, Edge(-1, False, (), f"{port.name} offers {value}", outside=True)
 
 
-def _went_on(before: Thread, after: Thread | None) -> bool:
+def _moved(before: Thread, after: Thread | None) -> bool:
     if after is None or before.wait is None or after.wait is None:
         return True
     return before.stack != after.stack or before.wait != after.wait

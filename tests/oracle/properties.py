@@ -25,7 +25,7 @@ def _found(graph: Graph, index: int, why: str) -> Answer:
 
 
 def _none(graph: Graph) -> Answer:
-    why = "" if graph.complete or graph.machine.clock.horizon.bounded else "its states hold the clock, which goes on"
+    why = "" if graph.complete or graph.machine.clock.horizon.bounded else "its states hold the clock, which advances"
     return Answer(True if graph.complete else None, states=len(graph.states), why=why)
 
 
@@ -38,12 +38,12 @@ def deadlock_free(graph: Graph) -> Answer:
         if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
             return _found(graph, index, f"nothing happens any more from {st.now} ns on")
     answer = _none(graph)
-    if answer.holds and (any(_for_ever(graph)) or any(stuck(graph.linked, st) for st in graph.states)):
-        answer.holds, answer.why = None, "somebody waits forever for a partner that goes on"
+    if answer.holds and (any(_waiting_forever(graph)) or any(stuck(graph.linked, st) for st in graph.states)):
+        answer.holds, answer.why = None, "a process waits forever for a partner that continues"
     return answer
 
 
-def _for_ever(graph: Graph) -> list[bool]:
+def _waiting_forever(graph: Graph) -> list[bool]:
     """For each state: whether some thread waits there for others, and never continues in any run from there."""
     before: list[list[int]] = [[] for _ in graph.states]
     moves: list[set[Tid]] = [set() for _ in graph.states]
@@ -68,7 +68,7 @@ def livelock_free(graph: Graph) -> Answer:
     """No cycle of steps in which no time passes and nothing passes an external port."""
     silent = [[edge.to for edge in edges if edge.silent] for edges in graph.edges]
     index = on_cycle(silent)
-    return _none(graph) if index is None else _found(graph, index, "goes round forever from here")
+    return _none(graph) if index is None else _found(graph, index, "repeats forever from here")
 
 
 def terminates(graph: Graph) -> Answer:
@@ -76,7 +76,7 @@ def terminates(graph: Graph) -> Answer:
         if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
             return _found(graph, index, "nothing happens any more")
     index_or_none = on_cycle(_own_steps(graph))
-    return _none(graph) if index_or_none is None else _found(graph, index_or_none, "goes round forever from here")
+    return _none(graph) if index_or_none is None else _found(graph, index_or_none, "repeats forever from here")
 
 
 def _own_steps(graph: Graph) -> list[list[int]]:

@@ -65,7 +65,7 @@ def _end(ours: Graph, at: int, theirs: Graph, allowed: frozenset[int]) -> str:
     """The program ends only where its specification may end."""
     if ours.states[at].ended != "terminated" or any(theirs.states[index].ended is not None for index in allowed):
         return ""
-    return "it ends, where its specification goes on"
+    return "it ends, but its specification continues"
 
 
 def accepted(graph: Graph, index: int, common: set[str]) -> set[str] | None:

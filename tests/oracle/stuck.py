@@ -71,7 +71,7 @@ def stuck(linked: Linked, st: State, *, runs_on: bool = False) -> dict[Tid, Thre
     while changed:
         changed = False
         for tid in sorted(found):
-            if _goes_on(linked, st, tid, found, after):
+            if _continues(linked, st, tid, found, after):
                 found.discard(tid)
                 changed = True
     if not any(waits_for_others(st.threads[tid]) for tid in found):
@@ -86,7 +86,7 @@ def waits_for_others(thread: Thread) -> bool:
     return isinstance(thread.wait, Joint) or (isinstance(thread.wait, Choice) and bool(thread.wait.offers))
 
 
-def _goes_on(
+def _continues(
     linked: Linked, st: State, tid: Tid, found: set[Tid], after: dict[Tid, tuple[frozenset[End], bool]]
 ) -> bool:
     thread = st.threads[tid]

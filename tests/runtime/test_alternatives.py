@@ -249,7 +249,7 @@ def test_a_committed_writer_continues_only_when_its_value_was_read() -> None:
 
     async def writer() -> None:
         await writing.select()
-        log.append("writer goes on")
+        log.append("writer continues")
 
     async def reader() -> None:
         await reading.select()
@@ -264,7 +264,7 @@ def test_a_committed_writer_continues_only_when_its_value_was_read() -> None:
         await parallel(writer(), reader(), steals())
 
     assert run(top).ended == "deadlock"
-    assert log == ["reads 7", "writer goes on"]
+    assert log == ["reads 7", "writer continues"]
 
 
 def test_ready_leaves_the_value_to_the_guarded_process() -> None:

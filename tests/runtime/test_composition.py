@@ -97,7 +97,7 @@ def test_a_process_of_higher_priority_runs_as_soon_as_the_lower_one_must_wait() 
 
     async def low() -> None:
         await channel.write(1)
-        log.append("low goes on until it must wait")
+        log.append("low runs until it must wait")
         await wait(ms)
         log.append("low")
 
@@ -105,7 +105,7 @@ def test_a_process_of_higher_priority_runs_as_soon_as_the_lower_one_must_wait() 
         await prioritized_parallel(high(), low())
 
     finish(top)
-    assert log == ["low goes on until it must wait", "high 1", "low"]
+    assert log == ["low runs until it must wait", "high 1", "low"]
 
 
 def test_an_exception_cancels_the_siblings_and_propagates() -> None:
@@ -472,16 +472,16 @@ def test_methods_become_coroutines_where_they_begin() -> None:
             log.append(f"two {number}")
             await wait(2 * ms)
 
-        async def go_on(self) -> None:
-            log.append("go on")
+        async def resume(self) -> None:
+            log.append("resume")
 
         async def run(self) -> None:
             await parallel(self.one, partial(self.two, 1), group("third", self.one))
-            await interrupt(self.one, After(3 * ms), self.go_on)
-            await interrupt(group("fourth", partial(self.two, 2)), After(ms), self.go_on)
+            await interrupt(self.one, After(3 * ms), self.resume)
+            await interrupt(group("fourth", partial(self.two, 2)), After(ms), self.resume)
             with contextlib.suppress(OverheatedError):
-                await parallel(fails(), interrupt(group("never", self.one), After(ms), self.go_on))
-            await parallel(self.one, interrupt(parallel(self.one, stop()), After(9 * ms), self.go_on))
+                await parallel(fails(), interrupt(group("never", self.one), After(ms), self.resume))
+            await parallel(self.one, interrupt(parallel(self.one, stop()), After(9 * ms), self.resume))
 
     assert Network(Top("Top")).run(until=5 * ms).ended == "time limit"
-    assert log == ["one", "two 1", "one", "one", "two 2", "go on", "one", "one"]
+    assert log == ["one", "two 1", "one", "one", "two 2", "resume", "one", "one"]

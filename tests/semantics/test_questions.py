@@ -14,7 +14,7 @@ from tests.semantics.test_page import WORKED as ON_PAGE
 
 QUESTIONS = {
     "a law between variables is a place where a cancelled process ends": "law_is_a_place",
-    "time goes on for what is latched, and then there is a deadlock": "deadlock_after_latches",
+    "time advances while a value is latched, and then there is a deadlock": "deadlock_after_latches",
     "when a guard that writes is ready, by kind of channel": "guards_that_write",
     "two ports on one external input have sessions of their own": "sessions_of_samples",
     "an access in sequence with two parallel ones shares with the first": "sessions_of_samples",

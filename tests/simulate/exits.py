@@ -411,7 +411,7 @@ class Seen:
             if not writes or writes[-1] != f"{port} {safe}":
                 found.append(f"the last value of {port} is not safe")
         if any(call.startswith("child: ") for call in self.calls):
-            found.append("a child goes on with the devices")
+            found.append("a child continues to use the devices")
         for device in ("Card", "Lamp"):
             for operation in ("open", "close"):
                 if self.calls.count(f"{device} {operation}") != (device in way.opened):
@@ -478,7 +478,7 @@ def wait_until(holds: Callable[[], bool], process: subprocess.Popen[bytes]) -> N
         if holds() or process.poll() is not None:
             return
         time.sleep(0.01)
-    raise AssertionError("it does not come about")
+    raise AssertionError("it does not happen")
 
 
 def log_of(folder: Path) -> list[str]:

@@ -89,9 +89,9 @@ process Client {
   in  answer   : int
   out question : int
 
-  communication { var told : int = 0 }
+  communication { var sent : int = 0 }
 
-  composition { mu (question ! 1 ; (answer ? told -> skip [] after 5 ms -> skip)) }
+  composition { mu (question ! 1 ; (answer ? sent -> skip [] after 5 ms -> skip)) }
 }
 
 process Server {
@@ -141,9 +141,9 @@ process Master {
   out request : bool
   out lost    : bool
 
-  communication { var told : bool = false }
+  communication { var sent : bool = false }
 
-  composition { mu (request ! true -> answer ? told [] after 3 ms -> lost ! true) }
+  composition { mu (request ! true -> answer ? sent [] after 3 ms -> lost ! true) }
 }
 
 process Bus {

@@ -78,7 +78,7 @@ class PeriodSimulation:
         self.computed: Any = self.zero
         self.sampled: dict[Leaf, Any] = {}
         self.offered: set[str] = set()
-        """The channels with a value that nobody has taken yet."""
+        """The channels with a value that has not been taken yet."""
         self._moves: dict[tuple[int, bool, int], Matrix] = {}
 
     def open_loop(self) -> OpenLoop:
@@ -162,7 +162,7 @@ class PeriodSimulation:
         running = [(turn, self._steps(turn)) for turn in self.turns if Sampling(turn.period).is_tick(instant)]
         while running:
             # Loops that only wait for each other's values compute the same in every order.
-            waiting = [(turn, steps) for turn, steps in running if not self._go_on(steps)]
+            waiting = [(turn, steps) for turn, steps in running if not self._continue(steps)]
             if len(waiting) == len(running):
                 raise NotLinearError("its communications within a period wait for each other", waiting[0][0].loop.span)
             running = waiting
@@ -170,9 +170,9 @@ class PeriodSimulation:
             self._take(*turn.before, *turn.after)
         if self.offered:
             channel = min(self.offered).partition(".")[2]
-            raise NotLinearError(f"nobody takes what `{channel}` carries in each period", self.turns[0].loop.span)
+            raise NotLinearError(f"no process takes the value of `{channel}` in each period", self.turns[0].loop.span)
 
-    def _go_on(self, steps: Iterator[None]) -> bool:
+    def _continue(self, steps: Iterator[None]) -> bool:
         """Continue a turn until it waits; whether it has ended."""
         return next(steps, "ended") is not None
 

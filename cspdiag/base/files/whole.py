@@ -106,7 +106,7 @@ def _opened_through(path: str | os.PathLike[str]) -> BinaryIO:
         number = os.open(path, os.O_WRONLY | waits_not)
     except OSError as problem:
         if problem.errno == errno.ENXIO:
-            raise OSError(problem.errno, "nobody reads from it", os.fspath(path)) from None
+            raise OSError(problem.errno, "it has no reader", os.fspath(path)) from None
         raise
     os.set_blocking(number, True)
     return io.BufferedWriter(_Through(number, "wb"))

@@ -90,7 +90,7 @@ def _bytes(file: MendedFile) -> bytes:
     with open(name, "rb") as opened:
         data = opened.read()
     if decoded(data, name) != file.before.text:
-        raise UsageError(f"{name}: was changed by somebody else meanwhile; nothing was written, try again")
+        raise UsageError(f"{name}: was changed by another program meanwhile; nothing was written, try again")
     mark = _BYTE_ORDER_MARK if data.startswith(_BYTE_ORDER_MARK) else b""
     return mark + _with_ends_of(data.decode("utf-8-sig"), file.text).encode()
 

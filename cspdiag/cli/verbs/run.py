@@ -67,7 +67,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--plot", type=file_path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
     parser.add_argument(
         "--draw-deadlock", type=file_path, metavar="FILE",
-        help="if the run ends in a deadlock: who waits for whom, as .svg, .png or .pdf",
+        help="if the run ends in a deadlock: the waiting processes, as .svg, .png or .pdf",
     )  # fmt: skip
     parser.add_argument(
         "--replay", type=file_path, metavar="FILE", help="step through the counterexample that verify --trace-out wrote"

@@ -71,7 +71,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--draw", type=file_path, metavar="FILE",
-        help="who waits for whom in the first deadlock or knot, as .svg, .png or .pdf",
+        help="the waiting processes of the first deadlock or knot, as .svg, .png or .pdf",
     )  # fmt: skip
     parser.add_argument(
         "--timing", action="store_true", help="print response times, latencies and advice instead of proving assertions"

@@ -199,8 +199,8 @@ class _Drawing:
         items: list[Item] = []
         for section in route.sections:
             ends_in_sink = section.target is not None and self._is_sink(section.target)
-            goes_on = section.target is not None and self._is_border(section.target, "out")
-            head = Head.NONE if section.target is None or ends_in_sink or goes_on else Head.ARROW
+            continues = section.target is not None and self._is_border(section.target, "out")
+            head = Head.NONE if section.target is None or ends_in_sink or continues else Head.ARROW
             items.append(Line(section.points, ink, width, dash, end=head, corner=CORNER))
         for junction in route.junctions:
             items.append(Line((junction, junction.moved(0.01, 0)), ink, width, start=Head.DOT))

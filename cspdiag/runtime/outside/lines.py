@@ -110,7 +110,7 @@ class EventLine(ThreadLine):
             self.bring((self.port, self.call(self._read)))
 
     def read(self) -> Any:
-        """Nobody does that."""
+        """Never called."""
         raise AssertionError("events are brought, not polled")
 
 

@@ -24,7 +24,7 @@ class Supply:
         raise NotImplementedError
 
     def read(self) -> Any:
-        """Nobody asks at a tick."""
+        """Never used at a tick."""
         raise AssertionError("its values are read by processes, not at ticks")
 
     def write(self, value: object) -> None:

@@ -79,11 +79,11 @@ class Goal:
         """Whether the tasks that wait are those of the counterexample, and for the same channels."""
         waiting = [(path_of(task), {channel for _, channel in _offers(task) if channel}) for task in _leaves(root)]
         expected = [(of, {channel.partition(" (")[0] for channel in channels}) for of, channels in self.trace.stuck]
-        everybody = self.trace.failure != "deadlock" or all(
+        all_are_expected = self.trace.failure != "deadlock" or all(
             any(belongs(path, of) and (waits & channels or not waits) for of, channels in expected)
             for path, waits in waiting
         )
-        return everybody and all(
+        return all_are_expected and all(
             any(belongs(path, of) and waits & channels for path, waits in waiting)
             for of, channels in expected
             if any(_PART not in channel for channel in channels)

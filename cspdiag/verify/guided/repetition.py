@@ -1,4 +1,4 @@
-"""When a guided run has come to the situation of an earlier round, so that it can go on in the same way forever."""
+"""When a guided run has reached the situation of an earlier iteration, so it can continue in the same way forever."""
 
 from __future__ import annotations
 

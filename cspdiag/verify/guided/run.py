@@ -198,7 +198,7 @@ class Run(Policy):
         return self._goal.further and self._expected is not None and self._seen < len(self._expected)
 
     def _concluded(self) -> bool:
-        """Nobody is ready: whether that is the standstill."""
+        """No process is ready: whether that is the standstill."""
         if self._run.root.ended:
             raise AstrayError("it ends instead of getting stuck" if not self._script.left else self._unreached())
         if not self._goal.is_standstill or (self._script.left and self._strict):

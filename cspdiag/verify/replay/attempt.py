@@ -368,7 +368,7 @@ class Attempt:
         standstill = Standstill(self.conductor, self._trace, self._decisions, self._ports, self._settle)
         standstill.end_silently()
         before = len(self._communications)
-        standstill.try_to_go_on()
+        standstill.try_to_continue()
         if len(self._communications) > before:
             channel, _ = self._communications[before]
             raise DivergenceError(f"it continues with `{channel}`")

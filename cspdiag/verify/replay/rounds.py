@@ -80,9 +80,9 @@ class Rounds:
         """Lets the processes of the step with this number continue until they can take it, or have ended."""
         for name, path in self._needed(step):
             if step.kind in _LEAVING:
-                self._go_on(number, name, path, partial(_has_ended, self._conductor, name, path))
+                self._continue(number, name, path, partial(_has_ended, self._conductor, name, path))
             else:
-                self._go_on(number, name, path, partial(self._is_ready, step, name, path))
+                self._continue(number, name, path, partial(self._is_ready, step, name, path))
 
     def bring_to_rest(self) -> None:
         """Lets processes continue until those that are stuck are where the trace has them and, if all are to be at
@@ -93,7 +93,7 @@ class Rounds:
             return
         for path, channels in self._trace.stuck:
             if channels:
-                self._go_on(number, path, path, partial(_waits, self._conductor, path, channels))
+                self._continue(number, path, path, partial(_waits, self._conductor, path, channels))
         while self._trace.failure == "deadlock" and self._left > 0:
             moving = [gate for gate in self._conductor.halted.values() if not self._is_stuck(gate)]
             if not any(self._take(number, gate) for gate in moving):
@@ -106,7 +106,7 @@ class Rounds:
         elif step.kind in _MEETING or step.kind == "time":
             yield from (party for party in step.parties if not is_medium(party[0], step))
 
-    def _go_on(self, number: int, name: str, path: str, is_there: Callable[[], bool]) -> None:
+    def _continue(self, number: int, name: str, path: str, is_there: Callable[[], bool]) -> None:
         while not is_there():
             if self._left <= 0:
                 raise DivergenceError(

@@ -66,7 +66,7 @@ class Standstill:
                     way = f" with `{option.channel}`" if option.channel else ""
                     raise DivergenceError(f"`{self._conductor.names.called(gate.task)}` can still continue{way}")
 
-    def try_to_go_on(self) -> None:
+    def try_to_continue(self) -> None:
         """Lets all processes through their gates. Raises DivergenceError if one that is to be stuck can continue."""
         stuck = [
             gate

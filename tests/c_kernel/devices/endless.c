@@ -12,8 +12,8 @@ void endless_reset(struct endless *self)
 
 void endless_calculate(struct endless *self)
 {
-    volatile int goes_on = 1;
-    while (goes_on != 0) {
+    volatile int continues = 1;
+    while (continues != 0) {
         self->y = self->x;
     }
 }

@@ -40,12 +40,12 @@ static const script_list chooser = {
 static const script_list meets_writing = {
     {.action = SELECT, .alternative = &writing, .jump = 1U},
     {.action = SAY, .text = "wrote"},
-    {.action = SAY, .text = "went on"},
+    {.action = SAY, .text = "continued"},
 };
 static const script_list meets_reading = {
     {.action = SELECT, .alternative = &reading, .jump = 1U},
     {.action = SAY, .text = "read"},
-    {.action = SAY, .text = "went on"},
+    {.action = SAY, .text = "continued"},
 };
 
 int main(void)

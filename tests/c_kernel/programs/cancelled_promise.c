@@ -14,7 +14,7 @@ static const csp_branches branches[] = {{sizeof(script), sizeof(script), 4U, 0U,
 static const script_list top = {
     {.action = TRY, .exception = ALARM, .jump = 2U},
     {.action = PARALLEL, .branches = branches, .branch_runs = 1U},
-    {.action = SAY, .text = "goes on"},
+    {.action = SAY, .text = "continues"},
 };
 static const script_list interrupted = {
     {.action = INTERRUPT, .process = &scripts[5], .medium = &promised.medium, .writes = true, .value = 5, .jump = 2U},

@@ -1,4 +1,4 @@
-/* One writer and one reader; then there are no more writes. */
+/* One writer and one reader; then no process writes. */
 #include "script.h"
 
 static script scripts[3];

@@ -144,15 +144,15 @@ def test_a_file_changed_meanwhile_is_not_overwritten(
 ) -> None:
     def mend_slowly(*arguments: object) -> object:
         result = original(*arguments)
-        slip.write_text(GOOD + "// somebody's\n")
+        slip.write_text(GOOD + "// another's\n")
         return result
 
     original = mending.mend
     monkeypatch.setattr(mending, "mend", mend_slowly)
     result = cspdiag("check", "--fix", slip)
     assert result.code == 2
-    assert "was changed by somebody else meanwhile" in result.err
-    assert slip.read_text() == GOOD + "// somebody's\n"
+    assert "was changed by another program meanwhile" in result.err
+    assert slip.read_text() == GOOD + "// another's\n"
 
 
 @pytest.mark.parametrize("problem", [KeyboardInterrupt(), OSError(28, "No space left on device")])

@@ -184,11 +184,11 @@ def test_a_picture_that_is_named_by_the_program_is_not_drawn_through_a_link(
     cspdiag: Command, good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: list[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "other").write_text("of somebody else\n")
+    (tmp_path / "other").write_text("of another program\n")
     (tmp_path / "pictures").mkdir()
     for folder in (tmp_path, tmp_path / "pictures"):
         (folder / "Relay.svg").symlink_to(tmp_path / "other")
     done = cspdiag("draw", good, *options)
     assert done.code == 2
     assert "symbolic link" in done.err
-    assert (tmp_path / "other").read_text() == "of somebody else\n"
+    assert (tmp_path / "other").read_text() == "of another program\n"

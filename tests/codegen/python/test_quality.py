@@ -11,7 +11,7 @@ import pytest
 
 from tests.codegen.packages import NAMES, ROOT, network, written_by_generator
 
-RUNTIME = '"""Stands for the copied runtime, which is checked where it lives."""\n\nfrom cspdiag.runtime import *\n'
+RUNTIME = '"""In place of the copied runtime, which is checked in its own folder."""\n\nfrom cspdiag.runtime import *\n'
 COMMAND_LINE = (
     "from cspdiag.runtime.command_line import Program as Program\nfrom cspdiag.runtime.command_line import main as "
     "main\n"

@@ -63,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m tests.conformance.random", description=__doc__)
-    parser.add_argument("--count", type=int, default=5000, help="so many programs")
+    parser.add_argument("--count", type=int, default=5000, help="the number of programs")
     parser.add_argument(
         "--programs",
         choices=sorted(GENERATORS),
@@ -72,7 +72,7 @@ def _parser() -> argparse.ArgumentParser:
         "deadlock between parallel parts of a process",
     )
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
-    parser.add_argument("--seconds", type=float, default=None, help="stop after so many")
+    parser.add_argument("--seconds", type=float, default=None, help="stop after this many seconds")
     parser.add_argument("--shrink", type=float, default=60.0, help="seconds to make a program smaller that differs")
     parser.add_argument(
         "--sanitize", type=int, default=20, metavar="N", help="one in N under the sanitizers, 0 for none"

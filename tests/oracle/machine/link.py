@@ -158,11 +158,11 @@ def link(program: Program) -> Linked:
         laws,
         tuple(variable.name for variable in program.variables),
         ends,
-        _books(program, root, laws),
+        _sessions(program, root, laws),
     )
 
 
-def _books(program: Program, root: Node, laws: dict[str, Law]) -> dict[tuple[int, str], int]:
+def _sessions(program: Program, root: Node, laws: dict[str, Law]) -> dict[tuple[int, str], int]:
     """For each place, in the order of the text, the first of the sessions of its port that no parallel place has."""
     sampled = {port.name for port in program.ports if port.input and port.period}
     given: dict[tuple[int, str], int] = {}

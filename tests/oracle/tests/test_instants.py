@@ -158,7 +158,7 @@ def test_nothing_is_reported_while_the_clock_advances() -> None:
     paced = Seq((Assign(Target("t", TIME), Bin("+", T, time(2), TIME)), Wait(T, until=True)))
     answer = decide(made(Seq((KEEP, Mu(paced)))), "deadlock free", limit=200)
     assert answer.holds is None
-    assert answer.why == "its states hold the clock, which goes on"
+    assert answer.why == "its states hold the clock, which advances"
     assert decide(made(Seq((KEEP, Mu(paced, LATE)))), "terminates").holds is True
 
 

@@ -1,4 +1,4 @@
-"""Counterexamples in words: which process writes, which reads, and for which one a process waits."""
+"""Counterexamples in words: which process writes, which reads, and for which a process waits."""
 
 from __future__ import annotations
 

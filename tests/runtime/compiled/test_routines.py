@@ -112,17 +112,17 @@ def test_a_process_with_one_of_two_communications_done_is_abandoned_once() -> No
     assert second.writing is None
 
 
-def goes_on(channel: Rendezvous[int], seen: list[str]) -> Body:
+def continues(channel: Rendezvous[int], seen: list[str]) -> Body:
     """Is made ready, and records that it continues after that."""
 
     def steps(me: Task) -> Steps:
         yield from write(me, channel, 1)
-        seen.append("went on")
+        seen.append("continued")
 
     return steps
 
 
-@pytest.mark.parametrize(("program", "seen"), [(Program, []), (CheckedProgram, ["went on"])])
+@pytest.mark.parametrize(("program", "seen"), [(Program, []), (CheckedProgram, ["continued"])])
 def test_a_ready_process_when_cancelled_continues_only_if_it_is_checked(
     program: type[Program], seen: list[str]
 ) -> None:
@@ -132,7 +132,7 @@ def test_a_ready_process_when_cancelled_continues_only_if_it_is_checked(
         yield from reader(channel, got, 1)(me)
         raise Fault("no")
 
-    outcome = run(goes_on(channel, reported), takes_and_fails, program=program)
+    outcome = run(continues(channel, reported), takes_and_fails, program=program)
     assert (outcome.ended, reported) == ("failed", seen)
 
 

@@ -92,7 +92,7 @@ def test_a_policy_decides_which_ready_guard_is_taken() -> None:
     assert _chosen(Last()) == [2, 2, 2, 2]
 
 
-class Told(Policy):
+class Recorded(Policy):
     def __init__(self) -> None:
         self.what: list[tuple[object, ...]] = []
 
@@ -123,7 +123,7 @@ class _Law(Submodel):
 
 
 def test_a_policy_is_notified_of_what_processes_do_and_when_laws_compute() -> None:
-    reported = Told()
+    reported = Recorded()
     x, y = Channel[int]("x"), EventOutput[int]("y")
     law = _Law(x, y)
 

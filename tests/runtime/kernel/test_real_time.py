@@ -255,7 +255,7 @@ def test_the_end_of_a_run_wakes_no_process_and_closes_everything_although_a_driv
     assert good.calls[-1] == "close"
 
 
-def test_ctrl_c_while_everybody_waits_stops_the_run_and_releases_the_outputs() -> None:
+def test_ctrl_c_while_all_processes_wait_stops_the_run_and_releases_the_outputs() -> None:
     motor = Device()
     u = EventOutput[float]("u", driver=motor, safe=0.0)
 

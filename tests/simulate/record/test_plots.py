@@ -481,7 +481,7 @@ def test_unread_samples_are_drawn_thin(runs: dict[str, Run]) -> None:
     read, unread = (numpy.asarray(line.get_ydata(), dtype=float) for line in (thick, thin))
     assert numpy.nanmax(read) == 50.0
     assert (numpy.nanmin(unread), numpy.nanmax(unread)) == (60.0, 240.0)
-    assert "thin: nobody read it" in figure.axes[-1].get_xlabel()
+    assert "thin: never read" in figure.axes[-1].get_xlabel()
 
 
 def test_vectors_and_structs_are_curves(runs: dict[str, Run]) -> None:

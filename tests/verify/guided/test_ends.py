@@ -123,18 +123,18 @@ def test_a_process_that_never_waits_is_stopped() -> None:
 
 AT_ONCE = """process Starts {
   in  go   : bool
-  out told : bool
+  out sent : bool
 
   communication { var b : bool = false }
 
-  composition { told ! true ; (go ? b -> told ! false [] told ! b -> skip) ; stop }
+  composition { sent ! true ; (go ? b -> sent ! false [] sent ! b -> skip) ; stop }
 }
 
 process Ignores {
   in  go   : bool
-  out told : bool
+  out sent : bool
 
-  composition { told ! true ; told ! false ; stop }
+  composition { sent ! true ; sent ! false ; stop }
 }
 
 assert Starts refines Ignores
@@ -177,11 +177,11 @@ assert Both terminates
 
 def test_a_repeated_cycle_keeps_its_times() -> None:
     """If one loop is a little slower than the other, the two run in step ten times, and then halt."""
-    for every, is_for_ever in (("10 ms", True), ("10100 us", False)):
+    for every, is_forever in (("10 ms", True), ("10100 us", False)):
         answer = answer_to(DRIFTS.replace("EVERY", every))
         assert answer.replayed
         assert answer.counterexample is not None
-        assert bool(answer.counterexample.cycle) == is_for_ever
+        assert bool(answer.counterexample.cycle) == is_forever
 
 
 RAISES = """exception Broken

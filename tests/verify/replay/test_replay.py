@@ -292,21 +292,21 @@ def test_a_guard_that_is_always_ready_comes_after_what_a_more_urgent_process_off
 
 
 POLLED = """process Polls {
-  out told : int
+  out sent : int
   in  kept : int
 
   communication { var value : int = 0 }
 
-  composition { told ! 1 ; (kept ? value -> skip []> skip -> stop) }
+  composition { sent ! 1 ; (kept ? value -> skip []> skip -> stop) }
 }
 
 process Keeps {
-  in  told : int
+  in  sent : int
   out kept : int
 
   communication { var value : int = 0 }
 
-  composition { kept ! 1 ; told ? value }
+  composition { kept ! 1 ; sent ? value }
 }
 
 process Both {
@@ -314,7 +314,7 @@ process Both {
     polls : Polls
     keeps : Keeps
 
-    polls.told -> keeps.told
+    polls.sent -> keeps.sent
     keeps.kept -> buffer 1 -> polls.kept
   }
 
@@ -337,8 +337,8 @@ def test_independent_steps_may_be_reordered() -> None:
     """The value may enter the buffer after the other process has checked, whatever the order in which a proof reports
     it.
     """
-    program = POLLED.replace("told ! 1 ;", "").replace("; told ? value", "").replace("  polls.told -> keeps.told\n", "")
-    program = program.replace("  out told : int\n", "").replace("  in  told : int\n", "")
+    program = POLLED.replace("sent ! 1 ;", "").replace("; sent ? value", "").replace("  polls.sent -> keeps.sent\n", "")
+    program = program.replace("  out sent : int\n", "").replace("  in  sent : int\n", "")
     obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=program), read_source)
     network = obligations.network("Both")
     assert network is not None

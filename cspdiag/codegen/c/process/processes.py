@@ -127,7 +127,7 @@ class _Writer:
         if states:
             entries = [f"{states[0]} = 1", *states[1:]]
             listed = tuple(Plain(code(entry), "," if entry != entries[-1] else "") for entry in entries)
-            rows += ["/* Where the process waits, and where it goes on after a failure. */"]
+            rows += ["/* Where the process waits, and where it continues after a failure. */"]
             rows += [*lines([Block(listed, "enum", "};")]), ""]
         rows += lines(composition.tables)
         for function in composition.functions:

@@ -1,4 +1,4 @@
-"""What is nested deeper than Python allows in one function goes on in functions inside it.
+"""What is nested deeper than Python allows in one function continues in functions inside it.
 
 CPython compiles at most 20 loops, ``try`` and ``with`` statements inside each other, 100 levels of indentation, and
 between 100 and 200 brackets. A function inside begins each count anew, but for one level of indentation.
@@ -68,7 +68,7 @@ _CONTINUING = ("elif", "else", "except", "finally")
 
 _NAMES: Mapping[str, str] = {"while": "_loop", "try": "_attempt", "with": "_attempt"}
 
-_DOC = "Go on: Python limits how deep the statements of one function are nested."
+_DOC = "Continue: Python limits how deeply the statements of one function are nested."
 _VALUE_DOC = "Compute a part of an expression: Python limits how deep it is nested."
 
 
@@ -261,7 +261,7 @@ def _leaves(compound: Statements) -> bool:
 
 
 def _assigned(statements: Statements) -> set[str]:
-    """The local variables of a function that its statements assign or declare; those of loops are nobody else's."""
+    """The local variables of a function that its statements assign or declare; those of loops are separate."""
     found: set[str] = set()
     for item in _own_statements(statements):
         match item:

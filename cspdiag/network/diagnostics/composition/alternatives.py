@@ -188,7 +188,7 @@ class ReleaseNotDistinguished(Diagnostic):
     def help(self) -> str | None:
         if self.is_interrupt:
             return (
-                f"go on after a release: `mu (... interrupt {self.port} ? {self.variable} -> skip) until "
+                f"continue after a release: `mu (... interrupt {self.port} ? {self.variable} -> skip) until "
                 f"{self.variable}`"
             )
         return f"look at the value: `{self.port} ? {self.variable} -> if {self.variable} then ...`"

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 _LINE_COLORS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99")
 _DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
 """Colours are distinguishable on a screen, dashes in grey print as well."""
-_THIN = "   ·   thin: nobody read it"
+_THIN = "   ·   thin: never read"
 _SAFE = "   ·   ▾ ▴ safe value, off the scale"
 _MOST_COLUMNS = 3
 _PANEL_HEIGHT = 1.7

@@ -26,7 +26,7 @@ class Series:
     """The values of a port, or of an element of it, from each instant in seconds to the next; the last one to the end
     of the run.
 
-    ``unread`` marks the values of a sampled input that nobody read. ``is_event`` marks values that arrive when
+    ``unread`` marks the values of a sampled input that were never read. ``is_event`` marks values that arrive when
     something happens. Durations are in seconds.
     """
 

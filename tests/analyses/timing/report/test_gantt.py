@@ -44,7 +44,7 @@ process P {
 
 MANY = """
 submodel Law wcet 20 us { in x : double  out y : double  y = x }
-process WMWM_LOOP_WITH_A_VERY_WIDE_NAME_OF_ITS_OWN_AND_THE_WHOLE_PLANT_THAT_GOES_ON_AND_ON {
+process WMWM_LOOP_WITH_A_VERY_WIDE_NAME_OF_ITS_OWN_AND_THE_WHOLE_PLANT_THAT_RUNS_ON_AND_ON {
   in  x : double @ 1 ms
   out y : double @ 1 ms
   communication { law : Law  x -> law.x  law.y -> y }
@@ -55,7 +55,7 @@ process THE_OUTERMOST_PROCESS_THAT_HAS_A_NAME_WHICH_IS_LONGER_THAN_ITS_DIAGRAM_I
   out y[12] : double @ 1 ms
   communication {
     WWWW_controller_of_the_chassis_and_everything_that_is_connected_to_it[12] :
-      WMWM_LOOP_WITH_A_VERY_WIDE_NAME_OF_ITS_OWN_AND_THE_WHOLE_PLANT_THAT_GOES_ON_AND_ON
+      WMWM_LOOP_WITH_A_VERY_WIDE_NAME_OF_ITS_OWN_AND_THE_WHOLE_PLANT_THAT_RUNS_ON_AND_ON
     for i < 12 {
       x[i] -> WWWW_controller_of_the_chassis_and_everything_that_is_connected_to_it[i].x
       WWWW_controller_of_the_chassis_and_everything_that_is_connected_to_it[i].y -> y[i]

@@ -145,14 +145,14 @@ def test_replacing_keeps_the_link_and_the_mode(tmp_path: Path) -> None:
 
 
 def assert_untouched(elsewhere: Path) -> None:
-    assert {path.name: path.read_text() for path in elsewhere.iterdir()} == {"network.py": "of somebody else\n"}
+    assert {path.name: path.read_text() for path in elsewhere.iterdir()} == {"network.py": "of another program\n"}
 
 
 @pytest.fixture
 def elsewhere(tmp_path: Path) -> Path:
     folder = tmp_path / "elsewhere"
     folder.mkdir()
-    (folder / "network.py").write_text("of somebody else\n")
+    (folder / "network.py").write_text("of another program\n")
     return folder
 
 
@@ -192,7 +192,7 @@ def test_a_linked_file_of_a_package_is_one_changed_by_hand(tmp_path: Path, elsew
 def test_a_manifest_that_names_files_outside_is_not_trusted(tmp_path: Path, elsewhere: Path, named: str) -> None:
     folder = tmp_path / "arm"
     write_package(str(folder), FILES, "python", force=False)
-    digest = sha256(b"of somebody else\n").hexdigest()
+    digest = sha256(b"of another program\n").hexdigest()
     with (folder / MANIFEST).open("a") as manifest:
         manifest.write(f"{digest}  {named.format(elsewhere=elsewhere)}\n")
     with pytest.raises(UsageError, match="was not written by cspdiag"):
@@ -240,10 +240,10 @@ def test_a_pipe_is_written_to_and_stays_one(tmp_path: Path) -> None:
 def test_a_file_that_is_in_the_way_of_writing_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("secrets.token_hex", lambda _: "0123456789abcdef")
     other = tmp_path / "program.csp.0123456789abcdef.tmp"
-    other.write_text("of somebody else\n")
+    other.write_text("of another program\n")
     with pytest.raises(FileExistsError):
         replace_text(str(tmp_path / "program.csp"), "text\n")
-    assert other.read_text() == "of somebody else\n"
+    assert other.read_text() == "of another program\n"
 
 
 @pytest.mark.parametrize("path", [MANIFEST, "README.md", "arm/network.py"])
@@ -296,6 +296,6 @@ def test_a_failure_names_the_intended_file(tmp_path: Path, monkeypatch: pytest.M
 
 def test_a_pipe_without_a_reader_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "out.csv")
-    with pytest.raises(OSError, match="nobody reads from it") as refused:
+    with pytest.raises(OSError, match="it has no reader") as refused:
         replace_text(str(tmp_path / "out.csv"), "time\n")
     assert refused.value.filename == str(tmp_path / "out.csv")

@@ -3,7 +3,7 @@
 #include "constants.h"
 #include "csp_arithmetic.h"
 
-/* Where the process waits, and where it goes on after a failure. */
+/* Where the process waits, and where it continues after a failure. */
 enum {
     READS_INPUT = 1,
     WRITES_OUTPUT,

@@ -1,5 +1,5 @@
-/* Runs the spindle until somebody presses the emergency button: whatever the law is doing is
- * abandoned and the brake falls. That it halted is announced when it stands still.
+/* Runs the spindle until the emergency button is pressed: whatever the law is doing is abandoned
+ * and the brake is applied. That it halted is announced when it stands still.
  *
  * Source: emergency.csp:17
  */

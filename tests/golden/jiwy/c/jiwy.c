@@ -3,7 +3,7 @@
 #include "constants.h"
 #include "csp_arithmetic.h"
 
-/* Where the process waits, and where it goes on after a failure. */
+/* Where the process waits, and where it continues after a failure. */
 enum {
     IN_PARALLEL = 1,
     FAILS

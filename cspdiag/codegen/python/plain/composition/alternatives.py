@@ -175,7 +175,7 @@ class Alternatives(CompositionWriter):
             guard = attribute
             taken = self._taken(branch.event, attribute)
         handler = (*taken, *self.statements(branch.body))
-        name = "_go_on"
+        name = "_continue"
         if handler or name not in self.members.names:
             name = self.members.names.fresh("_interrupted" if handler else name)
             self.methods.append(Method(name, handler))

@@ -1,1 +1,1 @@
-"""Three producers share one channel into the buffer: whoever is there first is served first."""
+"""Three producers share one channel into the buffer: first come, first served."""

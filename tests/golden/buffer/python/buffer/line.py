@@ -9,7 +9,7 @@ from .runtime import AnyChannel, Channel, Out, Process, ms, parallel
 
 
 class Line(Process):
-    """Three producers share one channel into the buffer: whoever is there first is served first.
+    """Three producers share one channel into the buffer: first come, first served.
 
     Source: buffer.csp:64
 

@@ -7,7 +7,7 @@ from .runtime import Out, Process, Variable, int64, wait
 
 
 class Producer(Process):
-    """Makes an item every `period`; the hundreds tell who made it.
+    """Makes an item every `period`; the hundreds say which producer made it.
 
     Source: buffer.csp:7
 

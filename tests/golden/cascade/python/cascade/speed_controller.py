@@ -6,7 +6,7 @@ from .runtime import In, Out, Submodel, finite, limit, read_all
 
 
 class SpeedController(Submodel):
-    """PI whose output, the current that the motor is asked for, is limited.
+    """PI whose output, the current requested of the motor, is limited.
 
     Source: cascade.csp:20
 

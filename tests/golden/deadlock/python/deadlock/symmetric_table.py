@@ -8,7 +8,7 @@ from .runtime import Channel, Process, parallel
 
 
 class SymmetricTable(Process):
-    """Everybody takes the left fork first: all hold one fork and wait for the other.
+    """Every philosopher takes the left fork first: all hold one fork and wait for the other.
 
     Source: deadlock.csp:4
     """

@@ -67,7 +67,7 @@ class Homing(Process):
 
     async def run(self) -> None:
         try:
-            await interrupt(self._repeat_servo, After(self.patience), self._go_on)
+            await interrupt(self._repeat_servo, After(self.patience), self._continue)
         except Timeout:
             self.failed.value = True  # jiwy.csp:97
         await self.control.write(0.0)  # jiwy.csp:98
@@ -80,5 +80,5 @@ class Homing(Process):
             if self.stop.value:  # jiwy.csp:97
                 break
 
-    async def _go_on(self) -> None:
+    async def _continue(self) -> None:
         pass

@@ -1,1 +1,1 @@
-"""A token goes round through `cells` cells."""
+"""A token circulates through `cells` cells."""

@@ -7,7 +7,7 @@ from .runtime import In, Out, Process, Variable, int64
 
 
 class Cell(Process):
-    """Hands the token on, one step older.
+    """Passes the token on, one step older.
 
     Source: ring.csp:20
 

@@ -8,7 +8,7 @@ from .starter import Starter
 
 
 class Ring(Process):
-    """A token goes round through `cells` cells.
+    """A token circulates through `cells` cells.
 
     Source: ring.csp:35
     """
