@@ -108,14 +108,14 @@ def _packed(package: Package, scratch: Path) -> Path:
     npm = shutil.which("npm")
     if npm is None:
         raise FetchError(f"npm is not installed: install it, or put {package.archive} into {FOLDER.parent}")
-    wanted = f"{package.name}@{package.version}"
+    requested = f"{package.name}@{package.version}"
     try:
-        done = subprocess.run([npm, "pack", wanted], cwd=scratch, capture_output=True, text=True, timeout=120)
+        done = subprocess.run([npm, "pack", requested], cwd=scratch, capture_output=True, text=True, timeout=120)
     except subprocess.TimeoutExpired:
-        raise FetchError(f"npm pack {wanted} does not answer: is there a network?") from None
+        raise FetchError(f"npm pack {requested} does not answer: is there a network?") from None
     if done.returncode != 0:
         reasons = [line for line in done.stderr.splitlines() if "error" in line.lower()]
-        raise FetchError(f"npm pack {wanted} failed: {reasons[0] if reasons else 'without a reason'}")
+        raise FetchError(f"npm pack {requested} failed: {reasons[0] if reasons else 'without a reason'}")
     return scratch / package.archive
 
 

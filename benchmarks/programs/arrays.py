@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from timing import BATCHES, asked, report, size_of
+from timing import BATCHES, report, requested_benchmark, size_of
 
 NETWORKS = Path(__file__).parents[1] / "networks"
 SIZES = {"ring": "size", "pipeline": "size", "workers": "size", "star": "size", "philosophers": "number"}
@@ -99,9 +99,9 @@ def _figures(taken: Cost) -> str:
 
 
 if __name__ == "__main__":
-    if asked() == "table":
+    if requested_benchmark() == "table":
         table(sys.argv[2:])
     else:
-        name = asked().split("-")[1]
-        for _ in range(BATCHES if size_of(asked()) <= 1_000 else 1):
-            report(cost(name, sys.argv[2], size_of(asked()), 110).wall * 1e3)
+        name = requested_benchmark().split("-")[1]
+        for _ in range(BATCHES if size_of(requested_benchmark()) <= 1_000 else 1):
+            report(cost(name, sys.argv[2], size_of(requested_benchmark()), 110).wall * 1e3)

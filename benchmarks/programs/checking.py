@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from timing import BATCHES, asked, report, size_of
+from timing import BATCHES, report, requested_benchmark, size_of
 
 from cspdiag.base import SourceFile
 from cspdiag.codegen.python.package import generate
@@ -36,10 +36,10 @@ def nothing_to_read(path: str) -> SourceFile:
     raise FileNotFoundError(path)
 
 
-source = SourceFile("ring.csp", model(size_of(asked())))
+source = SourceFile("ring.csp", model(size_of(requested_benchmark())))
 for _ in range(BATCHES):
     began = time.perf_counter()
-    if asked().startswith("check"):
+    if requested_benchmark().startswith("check"):
         checked = check(source, nothing_to_read)
     else:
         built = build(source, nothing_to_read)

@@ -73,9 +73,9 @@ def run_in_c(network: Network, folder: Path, until: int | None) -> Callable[[], 
     command = [str(built_in_c(network, folder)), *([] if until is None else ["--for", str(until)])]
 
     def run() -> float:
-        said = subprocess.run(command, check=True, capture_output=True, text=True)
-        taken = re.search(r" in (\S+) s", said.stdout + said.stderr)
-        assert taken is not None, said
+        output = subprocess.run(command, check=True, capture_output=True, text=True)
+        taken = re.search(r" in (\S+) s", output.stdout + output.stderr)
+        assert taken is not None, output
         return float(taken[1])
 
     return run

@@ -6,7 +6,7 @@ import asyncio
 from typing import Any
 
 import async_programs
-from timing import asked, leave, size_of, timed
+from timing import leave, requested_benchmark, size_of, timed
 
 
 def channel() -> tuple[Any, Any]:
@@ -59,4 +59,4 @@ def main(name: str) -> None:
             asyncio.run(alternative(size_of(name)))
 
 
-main(asked())
+main(requested_benchmark())

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from timing import asked
+from timing import requested_benchmark
 
 compiler = shutil.which("go")
 if compiler is None:
@@ -17,4 +17,4 @@ with tempfile.TemporaryDirectory() as folder:
     program = Path(folder) / "peer"
     source = Path(__file__).with_name("peer.go")
     subprocess.run([compiler, "build", "-o", str(program), str(source)], check=True)
-    sys.exit(subprocess.run([program, asked()], check=False).returncode)
+    sys.exit(subprocess.run([program, requested_benchmark()], check=False).returncode)

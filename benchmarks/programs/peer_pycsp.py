@@ -7,11 +7,11 @@ import collections.abc
 import sys
 from typing import Any
 
-from timing import asked, leave, report, resident, size_of, timed_blocking
+from timing import leave, report, requested_benchmark, resident, size_of, timed_blocking
 
 collections.Callable = collections.abc.Callable  # type: ignore[attr-defined]  # it was written for older Pythons
 
-asked_for, sys.argv = asked(), sys.argv[:1]  # it reads its own options from the command line
+requested, sys.argv = requested_benchmark(), sys.argv[:1]  # it reads its own options from the command line
 try:
     import pycsp.greenlets as pycsp
 except ImportError:
@@ -101,7 +101,7 @@ def alternative(size: int) -> None:
 
 
 def main() -> None:
-    match asked_for:
+    match requested:
         case "commstime":
             commstime()
         case "ring":

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
-from timing import BATCHES, asked, leave, report, resident
+from timing import BATCHES, leave, report, requested_benchmark, resident
 
 try:
     import simpy
@@ -99,5 +99,5 @@ def delay(count: int = 3000) -> None:
     leave()
 
 
-{"commstime": commstime, "ring": ring, "parallel": parallel, "memory": memory, "delay": delay}[asked()]()
+{"commstime": commstime, "ring": ring, "parallel": parallel, "memory": memory, "delay": delay}[requested_benchmark()]()
 world.run()

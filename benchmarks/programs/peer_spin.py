@@ -18,7 +18,7 @@ from resource import RUSAGE_CHILDREN, getrusage
 from tempfile import TemporaryDirectory
 
 from philosophers import table
-from timing import asked, report, size_of
+from timing import report, requested_benchmark, size_of
 
 from cspdiag.codegen.promela.package import promela
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
@@ -61,7 +61,7 @@ def run(folder: str, *command: str) -> str:
 
 if shutil.which("spin") is None or shutil.which("gcc") is None:
     sys.exit()
-system = table(size_of(asked()))
+system = table(size_of(requested_benchmark()))
 exported = "exported" in sys.argv
 with TemporaryDirectory() as folder:
     text = promela(system) if exported else "\n".join(rendezvous(system))
@@ -70,9 +70,9 @@ with TemporaryDirectory() as folder:
     run(folder, "spin", "-a", "model.pml")
     run(folder, "gcc", "-O2", "-w", "-DSAFETY", *(["-DNOREDUCE"] if exported else []), "-o", "pan", "pan.c")
     used = processor()
-    said = run(folder, "./pan", "-n", "-m2000000")
+    output = run(folder, "./pan", "-n", "-m2000000")
     ended = time.perf_counter()
-    assert "errors: 0" in said
-    stored = re.search(r"([0-9.e+]+) states, stored", said)
+    assert "errors: 0" in output
+    stored = re.search(r"([0-9.e+]+) states, stored", output)
     assert stored is not None
-    report(float(stored[1]) / (processor() - used) if "states" in asked() else (ended - began) * 1e3)
+    report(float(stored[1]) / (processor() - used) if "states" in requested_benchmark() else (ended - began) * 1e3)

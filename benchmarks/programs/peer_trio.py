@@ -6,7 +6,7 @@ import sys
 from typing import Any
 
 import async_programs
-from timing import asked
+from timing import requested_benchmark
 
 try:
     import trio
@@ -40,4 +40,4 @@ def main(name: str) -> None:
             trio.run(async_programs.memory, channel, parallel, lambda: trio.sleep(0))
 
 
-main(asked())
+main(requested_benchmark())

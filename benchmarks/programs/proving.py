@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from timing import BATCHES, asked, report, size_of
+from timing import BATCHES, report, requested_benchmark, size_of
 
 from cspdiag.base.sources import read_source
 from cspdiag.pipeline import build
@@ -26,19 +26,19 @@ NETWORKS = {
 }
 """The constant that gives the size of a network, and its outermost process."""
 
-name = asked().split("-")[1]
+name = requested_benchmark().split("-")[1]
 size, top = NETWORKS[name]
 program = str(Path(__file__).parents[1] / "networks" / f"{name}.csp")
 
 
 def whole_process() -> None:
-    setting = f"{size}={size_of(asked())}"
+    setting = f"{size}={size_of(requested_benchmark())}"
     command = [sys.executable, "-m", "cspdiag", "verify", "--no-cache", "--set", setting, program]
     subprocess.run(command, check=True, capture_output=True)
 
 
 def started() -> None:
-    built = build(read_source(program), read_source, top=top, settings={size: str(size_of(asked()))})
+    built = build(read_source(program), read_source, top=top, settings={size: str(size_of(requested_benchmark()))})
     assert built.network is not None
     system = transition_system(built.network)
     assert isinstance(prove_deadlock_free(system, Limits()), Proved)
@@ -47,7 +47,7 @@ def started() -> None:
 
 step = started if "started" in sys.argv else whole_process
 step()
-for _ in range(1 if size_of(asked()) > 1000 else BATCHES):
+for _ in range(1 if size_of(requested_benchmark()) > 1000 else BATCHES):
     began = time.perf_counter()
     step()
     report((time.perf_counter() - began) * 1e3)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import random
 import time
 
-from timing import BATCHES, asked, report, size_of
+from timing import BATCHES, report, requested_benchmark, size_of
 
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.tasks.response import response_times
@@ -18,8 +18,8 @@ PERIODS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 LOAD = 0.9
 
 source = random.Random(1)
-number = size_of(asked())
-levels = 5 if "levels" in asked() else number
+number = size_of(requested_benchmark())
+levels = 5 if "levels" in requested_benchmark() else number
 tasks = []
 for name in range(number):
     period = source.choice(PERIODS) * 1_000_000

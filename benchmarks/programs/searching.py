@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 
 from philosophers import table
-from timing import BATCHES, asked, report, size_of
+from timing import BATCHES, report, requested_benchmark, size_of
 
 from cspdiag.proofs.search.breadth_first import count
 from cspdiag.proofs.verdict import Limits
 
-system = table(size_of(asked()))
+system = table(size_of(requested_benchmark()))
 count(system, Limits())
 for _ in range(BATCHES):
     began = time.process_time()

@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 BATCHES = 3
 
 
-def asked() -> str:
+def requested_benchmark() -> str:
     """The benchmark that this run is for."""
     return sys.argv[1]
 

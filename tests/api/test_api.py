@@ -128,9 +128,9 @@ def test_the_reference_runs_the_same() -> None:
     program = cspdiag.load(JIWY)
     meaning = program.run(until="50 ms", level="reference", set={"Tsh": "10 ms"})
     assert len(meaning.communications) > 10
-    wanted = program.run(until="50 ms", level=0, set={"Tsh": "10 ms"})
-    assert [c[:3] for c in meaning.communications] == [c[:3] for c in wanted.communications]
-    assert meaning.outcome.ended == wanted.outcome.ended
+    expected = program.run(until="50 ms", level=0, set={"Tsh": "10 ms"})
+    assert [c[:3] for c in meaning.communications] == [c[:3] for c in expected.communications]
+    assert meaning.outcome.ended == expected.outcome.ended
 
 
 def test_the_reference_refuses_what_it_says_nothing_of() -> None:

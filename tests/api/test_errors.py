@@ -107,7 +107,7 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
     ("measured path", lambda: program().timing(measured={"nobody": 1}), ValueError, "no law or process `nobody`"),
     ("measured time", lambda: program().timing(measured={"Jiwy.vertical.homing.servo": -1}), ValueError, "not -1"),
     ("state", lambda: program().margins(at={"nobody": 1}), ValueError, "has no state `nobody` .it has: pan"),
-    ("state that is not a number", lambda: program().margins(at={"pan.speed": math.nan}), ValueError, "finite.* not nan"),
+    ("state nan", lambda: program().margins(at={"pan.speed": math.nan}), ValueError, "finite.* not nan"),
     ("state that is infinite", lambda: program().margins(at={"pan.speed": math.inf}), ValueError, "finite.* not inf"),
     ("limit that no timer has", lambda: program().verify(time_limit=1e300), ValueError, "up to 1e.06, not 1e.300"),
     ("measured for ages", lambda: program().timing(measured={"Jiwy.vertical.homing.servo": 1e300}), ValueError,
@@ -123,12 +123,12 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
 
 
 @pytest.mark.parametrize(
-    ("call", "kind", "said"), [pytest.param(*rest, id=name.replace(" ", "-")) for name, *rest in WRONG]
+    ("call", "kind", "reported"), [pytest.param(*rest, id=name.replace(" ", "-")) for name, *rest in WRONG]
 )
 def test_wrong_arguments_are_refused_with_a_reason(
-    call: Callable[[], object], kind: type[Exception], said: str
+    call: Callable[[], object], kind: type[Exception], reported: str
 ) -> None:
-    with pytest.raises(cspdiag.CspdiagError, match=said) as raised:
+    with pytest.raises(cspdiag.CspdiagError, match=reported) as raised:
         call()
     assert isinstance(raised.value, kind)
 

@@ -47,7 +47,7 @@ class Nothing:
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "reported"),
     [
         (lambda: Port(), "missing 1 required positional argument: 'name'"),
         (lambda: Port(size=2), "missing 1 required positional argument: 'name'"),
@@ -66,8 +66,8 @@ class Nothing:
         (lambda: replaced(Step(process="p", span=1), again=True), "unexpected keyword argument 'again'"),
     ],
 )
-def test_a_call_with_wrong_fields_is_refused(call, said):
-    with pytest.raises(TypeError, match=said):
+def test_a_call_with_wrong_fields_is_refused(call, reported):
+    with pytest.raises(TypeError, match=reported):
         call()
 
 

@@ -83,7 +83,7 @@ def test_the_name_of_a_file_changes_nothing_but_texts(target: str, level: int, f
 
 @pytest.mark.parametrize("kind", TEXTS)
 def test_docstrings_read_back_as_the_doc_comment(kind: str) -> None:
-    wanted = " ".join(TEXTS[kind].split())
+    expected = " ".join(TEXTS[kind].split())
     files = generated(TEXTS[kind], "python", 0)
     for path in (
         "plain/__init__.py",
@@ -92,20 +92,20 @@ def test_docstrings_read_back_as_the_doc_comment(kind: str) -> None:
         "plain/law.py",
         "plain/environments/bench.py",
     ):
-        assert any(wanted in " ".join(found.split()) for found in docstrings(files[path])), path
+        assert any(expected in " ".join(found.split()) for found in docstrings(files[path])), path
     description = tomllib.loads(files["pyproject.toml"])["project"]["description"]
-    assert description.removesuffix(".") == wanted.removesuffix(".")
+    assert description.removesuffix(".") == expected.removesuffix(".")
 
 
 @pytest.mark.parametrize("kind", TEXTS)
 def test_a_doc_comment_is_not_markup_in_the_readme(kind: str) -> None:
-    wanted = " ".join(TEXTS[kind].split())
-    parsed = MarkdownIt("commonmark").enable("table").parse(markdown(wanted))
+    expected = " ".join(TEXTS[kind].split())
+    parsed = MarkdownIt("commonmark").enable("table").parse(markdown(expected))
     assert [token.type for token in parsed] == ["paragraph_open", "inline", "paragraph_close"]
     inline = parsed[1].children or []
     assert {token.type for token in inline} <= {"text", "code_inline", "text_special"}
-    if "`" not in wanted and wanted.isprintable():
-        assert "".join(token.content for token in inline) == wanted
+    if "`" not in expected and expected.isprintable():
+        assert "".join(token.content for token in inline) == expected
 
 
 @pytest.mark.parametrize("file", FILE_NAMES)
@@ -140,8 +140,8 @@ def test_compilers_read_c_strings_as_they_were(tmp_path: Path) -> None:
     (tmp_path / "strings.c").write_text(f"#include <stdio.h>\nint main(void)\n{{\n{rows}    return 0;\n}}\n")
     compiler = [*find_compiler().command, "-std=c99", "-Wall", "-Wextra", "-Werror", "-o", "strings", "strings.c"]
     subprocess.run(compiler, cwd=tmp_path, check=True)
-    said = subprocess.run([tmp_path / "strings"], capture_output=True, check=True).stdout
-    read = [part.removesuffix(b"\n").decode("utf-8", "surrogateescape") for part in said.split(b"\0")]
+    reported = subprocess.run([tmp_path / "strings"], capture_output=True, check=True).stdout
+    read = [part.removesuffix(b"\n").decode("utf-8", "surrogateescape") for part in reported.split(b"\0")]
     assert read == [*texts, ""]
 
 

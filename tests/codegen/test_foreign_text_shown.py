@@ -55,10 +55,10 @@ def kinds(document: str) -> set[tuple[str, tuple[str, ...]]]:
 
 def assert_shown(capsys: pytest.CaptureFixture[str]) -> str:
     """The output of a command is visible, and does not control the terminal."""
-    said = "".join(capsys.readouterr())
-    assert UNSEEN.search(said) is None, ascii(said)
-    assert "internal error" not in said
-    return said
+    reported = "".join(capsys.readouterr())
+    assert UNSEEN.search(reported) is None, ascii(reported)
+    assert "internal error" not in reported
+    return reported
 
 
 @pytest.mark.parametrize("name", FILE_NAMES)
@@ -67,17 +67,17 @@ def test_a_diagnostic_in_a_file_of_any_name(format_: str, name: str) -> None:
     found = pipeline.check(
         SourceFile(name=name, text=BAD), lambda path: SourceFile(name=path, text="")
     ).report.diagnostics
-    said = "".join(rendered_diagnostics(found, format_, [name], colour=False))
-    assert UNSEEN.search(said) is None
+    reported = "".join(rendered_diagnostics(found, format_, [name], colour=False))
+    assert UNSEEN.search(reported) is None
     match format_:
         case "json":
-            assert json.loads(said)[0]["file"] == name
+            assert json.loads(reported)[0]["file"] == name
         case "sarif":
-            json.loads(said)
+            json.loads(reported)
         case "junit":
-            ElementTree.fromstring(said)
+            ElementTree.fromstring(reported)
         case "github" | "concise":
-            assert len(said.splitlines()) == len(found)
+            assert len(reported.splitlines()) == len(found)
 
 
 @needs_engine

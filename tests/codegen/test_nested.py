@@ -43,7 +43,7 @@ def reference(form: str, depth: int) -> Execution:
 @pytest.mark.parametrize("form", FORMS)
 def test_python(form: str, depth: int | None, name: str) -> None:
     depth = depth or deepest(form)
-    verdict = judge(TARGETS[name], network(form, depth), None, LIMIT, wanted=reference(form, depth))
+    verdict = judge(TARGETS[name], network(form, depth), None, LIMIT, expected=reference(form, depth))
     assert verdict.result == "equal", verdict.details
     assert verdict.communications > 0, "nothing was compared"
 
@@ -94,7 +94,7 @@ def test_c_compiles(form: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["c-O0", "c-O1"])
 def test_c_runs(name: str) -> None:
-    verdict = judge(TARGETS[name], network("mixed", 60), None, LIMIT, wanted=reference("mixed", 60))
+    verdict = judge(TARGETS[name], network("mixed", 60), None, LIMIT, expected=reference("mixed", 60))
     assert verdict.result == "equal", verdict.details
 
 

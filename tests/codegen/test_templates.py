@@ -148,8 +148,8 @@ def test_templates_that_produce_invalid_python_write_nothing(
     own.mkdir()
     (own / "class.py.j2").write_text("import\n", encoding="utf-8")
     assert main(["compile", CASCADE, "--templates", str(own), "-o", str(out)]) == 1
-    said = capsys.readouterr().err
-    assert ".py:1: with these templates it is not Python: " in said
+    message = capsys.readouterr().err
+    assert ".py:1: with these templates it is not Python: " in message
     assert not out.exists()
 
 

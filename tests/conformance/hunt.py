@@ -54,5 +54,5 @@ def hunt(target: Target, count: int, start: int | None = None, *, shrink: bool =
 
 def difference_of(target: Target, text: str) -> str:
     """How a program differs; empty if it does not, or if the target does not support such a program."""
-    verdict = judge(target, _network(text), None, LIMIT, wanted=_done_by_reference(text))
+    verdict = judge(target, _network(text), None, LIMIT, expected=_done_by_reference(text))
     return verdict.details if verdict.result in ("differs", "crashed") else ""

@@ -67,7 +67,7 @@ def judge(
     environment: str | None,
     until: int,
     name: str = "",
-    wanted: Execution | None = None,
+    expected: Execution | None = None,
 ) -> Verdict:
     """Run a program, of the file ``name`` if it has one, on a target and on the reference, and compare.
 
@@ -79,32 +79,32 @@ def judge(
         return Verdict(name, environment, "refused", details=str(refusal))
     except Exception as crash:
         return Verdict(name, environment, "crashed", details="".join(traceback.format_exception(crash)[-6:]))
-    if wanted is None:
-        wanted = _done_by_reference(name, environment, until) if name else REFERENCE.run(network, environment, until)
+    if expected is None:
+        expected = _done_by_reference(name, environment, until) if name else REFERENCE.run(network, environment, until)
     if not target.inside:
         external = external_channels(network)
-        wanted, done = (
+        expected, done = (
             side._replace(trace=[passed for passed in side.trace if passed.channel in external])
-            for side in (wanted, done)
+            for side in (expected, done)
         )
-    details = "\n".join(_differences(target, network, environment, until, wanted, done))
-    return Verdict(name, environment, "differs" if details else "equal", len(wanted.trace), details)
+    details = "\n".join(_differences(target, network, environment, until, expected, done))
+    return Verdict(name, environment, "differs" if details else "equal", len(expected.trace), details)
 
 
 def _differences(
-    target: Target, network: Network, environment: str | None, until: int, wanted: Execution, done: Execution
+    target: Target, network: Network, environment: str | None, until: int, expected: Execution, done: Execution
 ) -> Iterator[str]:
-    difference = compare(wanted.trace, done.trace, external_channels(network), tolerance(target, network))
+    difference = compare(expected.trace, done.trace, external_channels(network), tolerance(target, network))
     if difference is not None:
         yield f"left: {REFERENCE.name}, right: {target.name}\n{difference}"
-        for side, execution, part in ((REFERENCE, wanted, difference.left), (target, done, difference.right)):
+        for side, execution, part in ((REFERENCE, expected, difference.left), (target, done, difference.right)):
             moment = _moment(execution, part, difference.position)
             yield f"  {side.name} before that:"
             yield from (f"    {line}" for line in _state(side, network, environment, until, execution.trace, moment))
-    if not wanted.ending.agrees_with(done.ending):
-        yield f"the end differs\n  {REFERENCE.name}: {wanted.ending}\n  {target.name}: {done.ending}"
-    if done.released is not None and done.released != wanted.released:
-        yield f"safe values differ\n  {REFERENCE.name}: {wanted.released}\n  {target.name}: {done.released}"
+    if not expected.ending.agrees_with(done.ending):
+        yield f"the end differs\n  {REFERENCE.name}: {expected.ending}\n  {target.name}: {done.ending}"
+    if done.released is not None and done.released != expected.released:
+        yield f"safe values differ\n  {REFERENCE.name}: {expected.released}\n  {target.name}: {done.released}"
 
 
 def external_channels(network: Network) -> set[str]:

@@ -169,12 +169,12 @@ def test_the_pieces_of_a_text_add_up_to_it(text: str) -> None:
 
 def test_words_have_the_looks_of_the_language() -> None:
     (line,) = highlighted("  in a : double<rad/s> @ 10 ms // every", {"a": "#of-a"})
-    looks = {piece.text: (piece.kind, piece.link) for piece in line if piece.text.strip()}
-    assert looks["in"] == ("keyword", "")
-    assert looks["a"] == ("", "#of-a")
-    assert looks["double"] == looks["<rad/s>"] == ("type", "")
-    assert looks["10 ms"] == ("number", "")
-    assert looks["// every"] == ("comment", "")
+    by_text = {piece.text: (piece.kind, piece.link) for piece in line if piece.text.strip()}
+    assert by_text["in"] == ("keyword", "")
+    assert by_text["a"] == ("", "#of-a")
+    assert by_text["double"] == by_text["<rad/s>"] == ("type", "")
+    assert by_text["10 ms"] == ("number", "")
+    assert by_text["// every"] == ("comment", "")
 
 
 @needs_engine

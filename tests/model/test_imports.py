@@ -35,18 +35,18 @@ def test_paths_are_relative_to_the_importing_file() -> None:
         "models/laws/pid.csp": 'import "../units.csp"\n',
         "models/units.csp": "const half = 0.5\n",
     }
-    asked: list[str] = []
+    requested: list[str] = []
 
     def read(path: str) -> SourceFile:
-        asked.append(path)
+        requested.append(path)
         return SourceFile(name=path, text=files[path])
 
     report = Report()
     main = SourceFile(name="models/main.csp", text='import "laws/pid.csp"\nimport "units.csp"\n')
     trees = load(main, read, report)
     assert not report.diagnostics
-    assert asked == ["models/laws/pid.csp", "models/units.csp"]
-    assert [tree.source.name for tree in trees] == ["models/main.csp", *asked]
+    assert requested == ["models/laws/pid.csp", "models/units.csp"]
+    assert [tree.source.name for tree in trees] == ["models/main.csp", *requested]
 
 
 def test_a_long_chain_of_imports() -> None:

@@ -11,7 +11,7 @@ NAMES = ["feedback", "control", "status", "kp", "T", "joystick_buttons", "max"]
 
 
 @pytest.mark.parametrize(
-    ("written", "meant"),
+    ("written", "expected"),
     [
         ("feedbak", "feedback"),
         ("Control", "control"),
@@ -23,20 +23,20 @@ NAMES = ["feedback", "control", "status", "kp", "T", "joystick_buttons", "max"]
         ("feedback", None),
     ],
 )
-def test_nearest_name(written: str, meant: str | None) -> None:
-    assert Speller().nearest(written, NAMES) == meant
+def test_nearest_name(written: str, expected: str | None) -> None:
+    assert Speller().nearest(written, NAMES) == expected
 
 
 @pytest.mark.parametrize(
-    ("written", "names", "meant"),
+    ("written", "names", "expected"),
     [("EE", ["E"], "E"), ("aab", ["ab"], "ab"), ("n22", ["n2"], None), ("ab", ["abb"], "abb")],
 )
-def test_a_doubled_letter_is_a_slip_in_short_names(written: str, names: list[str], meant: str | None) -> None:
-    assert Speller().nearest(written, names) == meant
+def test_a_doubled_letter_is_a_slip_in_short_names(written: str, names: list[str], expected: str | None) -> None:
+    assert Speller().nearest(written, names) == expected
 
 
 @pytest.mark.parametrize(
-    ("written", "meant"),
+    ("written", "expected"),
     [
         ("Hzz", "Hz"),
         ("Hhz", "Hz"),
@@ -50,16 +50,16 @@ def test_a_doubled_letter_is_a_slip_in_short_names(written: str, names: list[str
         ("V", None),
     ],
 )
-def test_near_symbols_of_units(written: str, meant: str | None) -> None:
-    assert near_symbol(written, ["Hz", "MHz", "ms", "min", "s"]) == meant
+def test_near_symbols_of_units(written: str, expected: str | None) -> None:
+    assert near_symbol(written, ["Hz", "MHz", "ms", "min", "s"]) == expected
 
 
 @pytest.mark.parametrize(
-    ("written", "meant"),
+    ("written", "expected"),
     [("Hzz", "Hz"), ("rad/ss", None), ("raad/s", "rad/s"), ("N*mol*HZ", "N*mol*Hz"), ("Nm", "N*m"), ("wheel", None)],
 )
-def test_near_units(written: str, meant: str | None) -> None:
-    assert near_unit(written) == meant
+def test_near_units(written: str, expected: str | None) -> None:
+    assert near_unit(written) == expected
 
 
 def test_a_text_full_of_unknown_names_is_checked_in_bounded_time() -> None:

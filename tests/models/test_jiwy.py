@@ -154,8 +154,8 @@ def test_every_mode_leaves_with_zero_volts(joint: Joint) -> None:
     period = float(time[1] - time[0])
     for mode in ("alignL", "alignR", "motionControl"):
         end = span_of(bench(), joint, mode)[1]
-        (handed,) = voltage[np.abs(time - (end + period)) < period / 4]
-        assert handed == 0
+        (written,) = voltage[np.abs(time - (end + period)) < period / 4]
+        assert written == 0
 
 
 @JOINTS

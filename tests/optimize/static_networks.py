@@ -117,12 +117,12 @@ def _step(draw: st.DrawFn, network: Choreography, tick: int) -> None:
     match kind:
         case "channel":
             other = draw(st.integers(0, len(members) - 1).filter(lambda n: n != one))
-            asked = draw(st.sampled_from(CHANNELS))
+            channel_kind = draw(st.sampled_from(CHANNELS))
             members[one].ports.append(f"out o{number} : int")
             members[other].ports.append(f"in  i{number} : int")
             members[one].steps.append(f"o{number} ! {value(draw)}")
             members[other].steps.append(f"i{number} ? {draw(st.sampled_from(['v', 'w', 'a[1]', 'a[w % 2 * 0]']))}")
-            arrow = f"-> c{number} : int {asked}".rstrip()
+            arrow = f"-> c{number} : int {channel_kind}".rstrip()
             network.relations.append(f"member{one}.o{number} {arrow} -> member{other}.i{number}")
         case "select":
             other = draw(st.integers(0, len(members) - 1).filter(lambda n: n != one))
@@ -130,8 +130,8 @@ def _step(draw: st.DrawFn, network: Choreography, tick: int) -> None:
             members[other].ports.append(f"in  i{number} : int")
             members[one].steps.append(_writing(draw, number))
             members[other].steps.append(_reading(draw, number))
-            asked = draw(st.sampled_from(["", "", "", "buffer 2"]))
-            arrow = f"-> c{number} : int {asked}".rstrip()
+            channel_kind = draw(st.sampled_from(["", "", "", "buffer 2"]))
+            arrow = f"-> c{number} : int {channel_kind}".rstrip()
             network.relations.append(f"member{one}.o{number} {arrow} -> member{other}.i{number}")
         case "broadcast" if len(members) > 2:
             readers = draw(st.permutations([n for n in range(len(members)) if n != one]))[:2]

@@ -139,23 +139,23 @@ def test_every_step_that_is_in_no_text_has_its_pass() -> None:
 
 @pytest.mark.parametrize("name", BROKEN)
 def test_a_broken_network_is_refused(name: str) -> None:
-    damage, wanted = BROKEN[name]
+    damage, expected = BROKEN[name]
     breaking = Pass(name="breaking", description="Breaks the network.", apply=damage)
     with pytest.raises(BrokenNetworkError) as caught:
         optimize(network(), (breaking,), debug=True)
-    assert wanted in str(caught.value)
+    assert expected in str(caught.value)
     assert "broken after breaking" in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("damage", "wanted"),
+    ("damage", "expected"),
     [(fields(Port, media=()), "does not say what it is connected to"), (fields(ir.Choice, name=""), "has no name")],
 )
 def test_what_a_pass_establishes_is_checked_after_later_passes(
-    damage: Callable[[Network], Network], wanted: str
+    damage: Callable[[Network], Network], expected: str
 ) -> None:
     breaking = Pass(name="breaking", description="Breaks the network.", apply=damage)
-    with pytest.raises(BrokenNetworkError, match=wanted):
+    with pytest.raises(BrokenNetworkError, match=expected):
         optimize(network(), (PASSES[0], breaking), debug=True)
     optimize(network(), (PASSES[0],), debug=True)
 

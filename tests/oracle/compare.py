@@ -9,7 +9,7 @@ from random import Random
 from tests.oracle.explore import explore
 from tests.oracle.judged import Judgement, verify
 from tests.oracle.programs.closed import closed
-from tests.oracle.programs.instants import asks_for_the_time, single_steps, with_instants, with_knot
+from tests.oracle.programs.instants import single_steps, uses_the_time, with_instants, with_knot
 from tests.oracle.programs.nested import is_nested, nested
 from tests.oracle.programs.pairs import pair
 from tests.oracle.programs.shrink import tidy
@@ -106,7 +106,7 @@ def program_of(seed: int, *, inputs: bool) -> Program:
     """
     if is_nested(seed):
         return nested(seed, inputs=inputs, sampled=inputs)
-    if not asks_for_the_time(seed):
+    if not uses_the_time(seed):
         return closed(seed, inputs=inputs)
     rng = Random(f"instants {seed}")
     base = single_steps(rng) if rng.random() < 0.6 else closed(seed, inputs=inputs, without=frozenset({"law"}))
@@ -114,7 +114,7 @@ def program_of(seed: int, *, inputs: bool) -> Program:
     return with_knot(made) if Random(f"knot {seed}").random() < 0.1 else made
 
 
-def _counted_apart(outcome: Outcome) -> Outcome:
+def _counted_separately(outcome: Outcome) -> Outcome:
     """Answers for programs that use the present instant, or have nested interrupts, are also counted separately."""
     if outcome.program is not None and "nested" in outcome.program.tags:
         outcome.counted += [f"nested: {name}" for name in outcome.counted]
@@ -129,7 +129,7 @@ def _closed(assertion: str, decide: Callable[[Program], Answer]) -> Comparison:
     def compare(case: Case) -> Outcome:
         program = program_of(case.seed, inputs=case.seed % 3 == 0)
         outcome = judged(program, text(program, assertion), decide)
-        return _counted_apart(outcome)
+        return _counted_separately(outcome)
 
     return Comparison(compare)
 
@@ -138,7 +138,7 @@ def _timed(seed: int, *, outputs: bool = False) -> Program:
     if is_nested(seed):
         return replace(nested(seed, inputs=seed % 3 == 0, sampled=True), step=MS)
     program = timed(seed, outputs=outputs)
-    if not asks_for_the_time(seed):
+    if not uses_the_time(seed):
         return program
     return tidy(with_instants(program, Random(f"instants {seed}")))
 
@@ -149,7 +149,7 @@ def _schedulable(case: Case) -> Outcome:
     def decide(program: Program) -> Answer:
         return schedulable(explore(program, free=False, wcet=True))
 
-    return _counted_apart(judged(program, text(program, "schedulable"), decide))
+    return _counted_separately(judged(program, text(program, "schedulable"), decide))
 
 
 def _trace(case: Case) -> Outcome:
@@ -160,7 +160,7 @@ def _trace(case: Case) -> Outcome:
         program = _timed(case.seed, outputs=True)
     targets = ("-O0", "-O1", "C", "C -O1") if case.seed % 20 == 0 else ("-O0", "-O1")
     counted, wrong = compare_traces(program, 41_300_000, targets)
-    return _counted_apart(Outcome(counted, wrong, text(program), program))
+    return _counted_separately(Outcome(counted, wrong, text(program), program))
 
 
 def _refines(case: Case) -> Outcome:
@@ -180,7 +180,7 @@ def _refines(case: Case) -> Outcome:
     if made.holds:
         outcome.counted.append("holds by construction")
     outcome.counted += [clause for clause in ("in failures", "hide") if clause in clauses]
-    return _counted_apart(outcome)
+    return _counted_separately(outcome)
 
 
 COMPARISONS = {

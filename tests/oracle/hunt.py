@@ -57,8 +57,8 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=60)
     parser.add_argument("--nested", action="store_true", help="only programs with nested interrupts that meet")
     arguments = parser.parse_args()
-    wanted = filter(is_nested, count(arguments.seed)) if arguments.nested else count(arguments.seed)
-    seeds = islice(wanted, arguments.count)
+    selected = filter(is_nested, count(arguments.seed)) if arguments.nested else count(arguments.seed)
+    seeds = islice(selected, arguments.count)
     report = hunt(arguments.property, seeds, loud=True, until=time.monotonic() + 60 * arguments.minutes)
     print(report)
     return 1 if report.wrong else 0

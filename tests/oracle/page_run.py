@@ -46,7 +46,7 @@ def page_run(program: Program, until: int, steps: int = 20000) -> PageRun:
             machine.run(st, candidates[0])
         else:
             instant = machine.clock.next_instant(st)
-            if instant is None or not machine.more_comes(st):
+            if instant is None or not machine.more_follows(st):
                 run.ending = "deadlock"
                 break
             if instant > until:

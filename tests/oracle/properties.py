@@ -35,7 +35,7 @@ def deadlock_free(graph: Graph) -> Answer:
         if found:
             names = ", ".join(".".join(str(branch) for _, branch in tid) or "root" for tid in found)
             return _found(graph, index, f"{names} wait forever at {st.now} ns")
-        if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
+        if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_follows(st):
             return _found(graph, index, f"nothing happens any more from {st.now} ns on")
     answer = _none(graph)
     if answer.holds and (any(_waiting_forever(graph)) or any(stuck(graph.linked, st) for st in graph.states)):
@@ -73,7 +73,7 @@ def livelock_free(graph: Graph) -> Answer:
 
 def terminates(graph: Graph) -> Answer:
     for index, st in enumerate(graph.states):
-        if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
+        if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_follows(st):
             return _found(graph, index, "nothing happens any more")
     index_or_none = on_cycle(_own_steps(graph))
     return _none(graph) if index_or_none is None else _found(graph, index_or_none, "repeats forever from here")

@@ -37,7 +37,7 @@ def future(linked: Linked, thread: Thread) -> tuple[frozenset[End], bool]:
     return ends, raises
 
 
-def _whole(linked: Linked, thread: Thread) -> frozenset[End]:
+def _all_ends(linked: Linked, thread: Thread) -> frozenset[End]:
     """Every end that a thread uses anywhere, including places that it does not reach again."""
     if not thread.tid:
         return linked.root.uses
@@ -58,7 +58,7 @@ def stuck(linked: Linked, st: State, *, runs_on: bool = False) -> dict[Tid, Thre
         return {}
     after = {tid: future(linked, thread) for tid, thread in st.threads.items()}
     if runs_on:
-        after = {tid: (ends | _whole(linked, st.threads[tid]), raises) for tid, (ends, raises) in after.items()}
+        after = {tid: (ends | _all_ends(linked, st.threads[tid]), raises) for tid, (ends, raises) in after.items()}
     found = {
         tid
         for tid, thread in st.threads.items()
@@ -92,9 +92,9 @@ def _continues(
     thread = st.threads[tid]
 
     def partner(channel: str, end: str, branch: int | None = None) -> bool:
-        wanted = (channel, "!" if end == "?" else "?")
+        partner_end = (channel, "!" if end == "?" else "?")
         return any(
-            wanted in ends and other not in found and (branch is None or st.threads[other].branch in (branch, -1))
+            partner_end in ends and other not in found and (branch is None or st.threads[other].branch in (branch, -1))
             for other, (ends, _) in after.items()
         )
 

@@ -100,17 +100,17 @@ def system_of(seed: int) -> System:
     return random_system(seed) if form is None else random_network(seed, form=form)
 
 
-def ask(seed: int, said: Counter[tuple[str, str, str]]) -> list[str]:
+def apply_methods(seed: int, answers: Counter[tuple[str, str, str]]) -> list[str]:
     """Apply every method to the system of a seed and count the answers. Returns the wrong answers."""
     found: list[str] = []
     system = system_of(seed)
     states = [state for layer in naive.layers(system) for state in layer]
     for question in QUESTIONS:
         holds = not any(question.refuted_by(system, state) for state in states)
-        said[question.name, "truth", "Proved" if holds else "Refuted"] += 1
+        answers[question.name, "truth", "Proved" if holds else "Refuted"] += 1
         for name, engine in (question.exact | question.partial).items():
             verdict = engine(system, Limits())
-            said[question.name, name, type(verdict).__name__] += 1
+            answers[question.name, name, type(verdict).__name__] += 1
             mistake = wrong(question, system, holds, verdict, exact=name in question.exact)
             if mistake is not None:
                 found.append(f"seed {seed}, {question.name}, {name}: {mistake}")
@@ -123,19 +123,19 @@ def main() -> int:
     parser.add_argument("--random", type=int, default=2000, metavar="N", help="how many systems (default: 2000)")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed (default: 0)")
     given = parser.parse_args()
-    said: Counter[tuple[str, str, str]] = Counter()
+    answers: Counter[tuple[str, str, str]] = Counter()
     found: list[str] = []
     done = 0
     with suppress(KeyboardInterrupt):
         for seed in range(given.first, given.first + given.random):
-            for mistake in ask(seed, said):
+            for mistake in apply_methods(seed, answers):
                 print(mistake, flush=True)
                 found.append(mistake)
             done += 1
-    for (question, name, answer), times in sorted(said.items()):
+    for (question, name, answer), times in sorted(answers.items()):
         print(f"{question:10} {name:14} {answer:8} {times:7}")
     for question in ("deadlock", "knots"):
-        free, proved = said[question, "truth", "Proved"], said[question, "sat", "Proved"]
+        free, proved = answers[question, "truth", "Proved"], answers[question, "sat", "Proved"]
         print(f"{question}: {proved} of {free} systems without are proved without search ({proved / max(1, free):.2%})")
     print(f"{len(found)} wrong answers in {done} random systems")
     return 1 if found else 0

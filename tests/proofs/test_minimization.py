@@ -22,7 +22,7 @@ FREE = {
     "alternating bit, lossy": (known.alternating_bit(), 116),
     "client-server chain 50": (known.client_server_chain(50), 10),
     "controller of 4 joints": (known.controller(4), 100),
-    "two systems that have nothing in common": (known.beside_a_loop(known.philosophers(8)), 100),
+    "two systems that have nothing in common": (known.with_loop(known.philosophers(8)), 100),
 }
 DEADLOCKED = {
     "8 philosophers": known.philosophers(8),
@@ -125,13 +125,13 @@ def test_a_limit_leaves_the_question_open(monkeypatch: pytest.MonkeyPatch) -> No
     ],
 )
 def test_knots_are_excluded_as_deadlocks_of_processes_that_may_stop(system: System) -> None:
-    verdict = minimization.knot_free(known.beside_a_loop(system), Limits())
+    verdict = minimization.knot_free(known.with_loop(system), Limits())
     assert isinstance(verdict, Proved)
     assert verdict.method == "minimization"
 
 
 def test_a_knot_next_to_a_loop_is_seen_and_a_trace_to_it_searched() -> None:
-    system = known.beside_a_loop(known.philosophers(3))
+    system = known.with_loop(known.philosophers(3))
     assert isinstance(minimization.deadlock_free(system, Limits()), Proved)
     verdict = minimization.knot_free(system, Limits())
     assert isinstance(verdict, Refuted)

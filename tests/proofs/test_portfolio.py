@@ -53,7 +53,7 @@ def test_large_tables_with_counters_are_refuted_by_a_shortest_trace(system: Syst
 
 
 def test_the_knot_next_to_a_loop_is_found_and_reported_whole() -> None:
-    system = known.beside_a_loop(known.philosophers(6))
+    system = known.with_loop(known.philosophers(6))
     assert isinstance(prove_deadlock_free(system, Limits()), Proved)
     verdict = prove_knot_free(system, Limits())
     assert isinstance(verdict, Refuted)

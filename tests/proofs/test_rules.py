@@ -43,7 +43,7 @@ def test_resources_are_listed_in_the_order_in_which_they_are_taken() -> None:
     ]
     resources = []
     for name in ("c", "a", "b"):
-        takers = [at for at, wanted in enumerate(takes) if name in wanted]
+        takers = [at for at, needed in enumerate(takes) if name in needed]
         free = {"free": [(f"take {name}{at}", f"with {at}") for at in takers]}
         resources.append(Machine(name, free | {f"with {at}": [(f"give {name}{at}", "free")] for at in takers}))
     verdict = ruled(compose([*users, *resources]), together=False)
@@ -74,7 +74,7 @@ def test_philosophers_of_one_hand_are_left_to_other_methods() -> None:
 
 
 def test_a_process_that_always_continues_is_named() -> None:
-    verdict = ruled(known.beside_a_loop(known.philosophers(3)), together=True)
+    verdict = ruled(known.with_loop(known.philosophers(3)), together=True)
     assert isinstance(verdict, Proved)
     assert verdict.reason == "`loop asker`, `loop answerer` can always continue"
 

@@ -96,9 +96,11 @@ def connect(draw: st.DrawFn, leaves: Sequence[Leaf]) -> list[Relation]:
             leaves[index].ports[f"i{number}"] = ("in", kind)
             if shape == "broadcast":
                 leaves[index].alone.add(f"i{number}")
-        asked = "" if shape == "sync" or (shape in ("any", "broadcast") and writers == readers == 1) else f" {shape}"
+        kind_of_channel = (
+            "" if shape == "sync" or (shape in ("any", "broadcast") and writers == readers == 1) else f" {shape}"
+        )
         left, right = [f"leaf{i}.o{number}" for i in sources], [f"leaf{i}.i{number}" for i in sinks]
-        relations.append(Relation(left, f"c{number} : {kind}{asked}", right))
+        relations.append(Relation(left, f"c{number} : {kind}{kind_of_channel}", right))
     for name, (direction, kind, period) in EXTERNAL.items():
         chosen = list(draw(st.permutations(range(len(leaves)))))[: draw(st.integers(1, 2)) if name in SHARED else 1]
         for index in chosen:
@@ -106,11 +108,11 @@ def connect(draw: st.DrawFn, leaves: Sequence[Leaf]) -> list[Relation]:
             if "@" in period:
                 leaves[index].periods[name] = period.partition(" immediate")[0].partition(" safe")[0]
         inner = [f"leaf{i}.{name}" for i in chosen]
-        asked = draw(st.sampled_from(["broadcast", "any"])) if name == "turn" and len(chosen) == 2 else ""
-        if asked == "broadcast":
+        kind_of_channel = draw(st.sampled_from(["broadcast", "any"])) if name == "turn" and len(chosen) == 2 else ""
+        if kind_of_channel == "broadcast":
             for index in chosen:
                 leaves[index].alone.add(name)
-        relations.append(Relation([name], asked, inner) if direction == "in" else Relation(inner, "", [name]))
+        relations.append(Relation([name], kind_of_channel, inner) if direction == "in" else Relation(inner, "", [name]))
     if draw(st.integers(0, 3)) == 0:
         leaves[0].ports["unheard"] = ("out", "int")
         relations.append(Relation(["leaf0.unheard"], "", ["_"]))

@@ -219,10 +219,10 @@ def programs(draw: st.DrawFn) -> str:
     for number in range(draw(st.integers(1, 5))):
         writer, reader = draw(st.permutations(range(len(leaves))))[:2]
         kind = draw(st.sampled_from(TYPES))
-        asked = draw(st.sampled_from(["", "", "buffer 2", "overwrite 3"]))
+        channel_kind = draw(st.sampled_from(["", "", "buffer 2", "overwrite 3"]))
         leaves[writer].outputs[f"o{number}"] = kind
         leaves[reader].inputs[f"i{number}"] = kind
-        arrow = f"-> c{number} : {kind} {asked}".rstrip()
+        arrow = f"-> c{number} : {kind} {channel_kind}".rstrip()
         relations.append(f"leaf{writer}.o{number} {arrow} -> leaf{reader}.i{number}")
     if turns is None and len(leaves) >= 3 and draw(st.booleans()):
         one, two, three = draw(st.permutations(range(len(leaves))))[:3]

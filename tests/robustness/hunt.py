@@ -22,7 +22,7 @@ BLOCK = 200
 """How many programs a process tries before it reports."""
 
 
-def looked_at(seed: int) -> str:
+def outcome_of(seed: int) -> str:
     """The answer for a damaged program: ``code``, ``errors``, or the traceback of what should not have happened."""
     path, text = damaged(seed)
     try:
@@ -33,7 +33,7 @@ def looked_at(seed: int) -> str:
 
 
 def _block(seeds: range) -> list[tuple[int, str]]:
-    return [(seed, looked_at(seed)) for seed in seeds]
+    return [(seed, outcome_of(seed)) for seed in seeds]
 
 
 def hunt(count: int, start: int, processes: int) -> Counter[str]:

@@ -79,17 +79,17 @@ class Interpreter:
 
     def offers(self, process: int, guard: Operation) -> list[tuple[int, tuple[Operation, int | None]]]:
         """The processes that wait at the other end: plainly (index None) or with a guard."""
-        wanted = "in" if guard[0] == "out" else "out"
+        direction = "in" if guard[0] == "out" else "out"
         found: list[tuple[int, tuple[Operation, int | None]]] = []
         for other, operation in self.waiting.items():
             if other == process:
                 continue
             if operation[0] == "select":
                 for index, offered in enumerate(operation[1]):
-                    if offered[0] == wanted and offered[1] == guard[1]:
+                    if offered[0] == direction and offered[1] == guard[1]:
                         found.append((other, (offered, index)))
-            elif (operation[0] == "write") == (wanted == "out") and operation[1] == guard[1]:
-                found.append((other, ((wanted, *operation[1:]), None)))
+            elif (operation[0] == "write") == (direction == "out") and operation[1] == guard[1]:
+                found.append((other, ((direction, *operation[1:]), None)))
         return found
 
     def partners(self, process: int, guard: Operation, *, alternatives: bool) -> list[Any]:

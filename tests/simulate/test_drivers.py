@@ -173,7 +173,7 @@ def test_a_run_against_the_clock_says_how_many_samples_it_missed(program: Path, 
 
 @pytest.mark.parametrize("level", ["-O0", "-O1"])
 @pytest.mark.parametrize(
-    ("type_", "returned", "said"),
+    ("type_", "returned", "message"),
     [
         ("Gear", "True", "TypeError: True is no Gear"),
         ("Gear", "1.0", "TypeError: 1.0 is no Gear"),
@@ -188,7 +188,7 @@ def test_a_run_against_the_clock_says_how_many_samples_it_missed(program: Path, 
     ],
 )
 def test_a_value_of_another_type_is_refused_with_driver_and_port(
-    level: str, type_: str, returned: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    level: str, type_: str, returned: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     program = tmp_path / "main.csp"
     program.write_text(
@@ -202,4 +202,4 @@ def test_a_value_of_another_type_is_refused_with_driver_and_port(
     )
     (tmp_path / "card.py").write_text(f"class Card:\n    def read(self, port):\n        return {returned}\n")
     assert main(["run", level, str(program), "--for", "20ms"]) == 1
-    assert f"driver Card failed to read at port Main.level: {said}\n" in capsys.readouterr().err
+    assert f"driver Card failed to read at port Main.level: {message}\n" in capsys.readouterr().err

@@ -68,7 +68,7 @@ def program(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("good", "bad", "said"),
+    ("good", "bad", "reported"),
     [
         ("valve / self.tau", "valve / 0", (
             "at 0 s: the environment Bench failed: ZeroDivisionError: float division by zero"
@@ -83,12 +83,12 @@ def program(tmp_path: Path) -> Path:
     ],
 )  # fmt: skip
 def test_a_failing_body_is_reported_in_one_line(
-    program: Path, capsys: pytest.CaptureFixture[str], good: str, bad: str, said: str
+    program: Path, capsys: pytest.CaptureFixture[str], good: str, bad: str, reported: str
 ) -> None:
     program.with_name("plant.py").write_text(MODULE.replace(good, bad, 1))
     assert main(["run", str(program), "--for", "50ms"]) == 1
     shown = capsys.readouterr().err
-    assert said in shown
+    assert reported in shown
     assert "internal error" not in shown
 
 
@@ -106,8 +106,8 @@ def test_a_fault_of_the_environment_names_its_line(tmp_path: Path, capsys: pytes
         "environment Bench for Main {\n  source : Source\n  source.y -> x\n}\n"
     )
     assert main(["run", str(path)]) == 1
-    said = "ended unsuccessfully at 310 ms: the environment Bench failed: Fault: division by zero, in count.csp:9"
-    assert said in capsys.readouterr().err
+    reported = "ended unsuccessfully at 310 ms: the environment Bench failed: Fault: division by zero, in count.csp:9"
+    assert reported in capsys.readouterr().err
 
 
 def test_a_missed_deadline_names_process_and_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -51,11 +51,11 @@ def test_every_model_runs_as_its_readable_code(name: str) -> None:
                 reference.simulate(network, environment=environment, until=LIMIT, recorder=Recorder())
             continue
         run = reference.simulate(network, environment=environment, until=LIMIT, recorder=Recorder())
-        wanted = on_readable_code(network, environment)
-        assert plain_trace_text(run) == plain_trace_text(wanted)
-        assert "".join(csv_parts(run)) == "".join(csv_parts(wanted))
-        assert account(run) == account(wanted)
-        assert run.outcome.exit_code == wanted.outcome.exit_code
+        expected = on_readable_code(network, environment)
+        assert plain_trace_text(run) == plain_trace_text(expected)
+        assert "".join(csv_parts(run)) == "".join(csv_parts(expected))
+        assert account(run) == account(expected)
+        assert run.outcome.exit_code == expected.outcome.exit_code
 
 
 def program(tmp_path: Path, end: str) -> Path:
@@ -72,8 +72,8 @@ def program(tmp_path: Path, end: str) -> Path:
 def test_endings_are_those_of_the_readable_code(tmp_path: Path, end: str) -> None:
     network = network_of(read(program(tmp_path, end).as_posix()))
     run = reference.simulate(network, environment=None, until=LIMIT, recorder=Recorder())
-    wanted = on_readable_code(network, None)
-    assert account(run) == account(wanted)
+    expected = on_readable_code(network, None)
+    assert account(run) == account(expected)
     assert run.outcome.ended == ("deadlock" if end == "stop" else "failed")
 
 
@@ -160,9 +160,9 @@ def test_command_writes_the_trace_and_the_recording(heater: Path, tmp_path: Path
         trace, table = tmp_path / f"{level[-1]}.jsonl", tmp_path / f"{level[-1]}.csv"
         assert main(["run", str(heater), "--quiet", *level, "--trace", str(trace), "--record", str(table)]) == 0
     for ending in ("jsonl", "csv"):
-        wanted = (tmp_path / f"-O0.{ending}").read_text(encoding="utf-8")
-        assert wanted
-        assert (tmp_path / f"reference.{ending}").read_text(encoding="utf-8") == wanted
+        expected = (tmp_path / f"-O0.{ending}").read_text(encoding="utf-8")
+        assert expected
+        assert (tmp_path / f"reference.{ending}").read_text(encoding="utf-8") == expected
 
 
 def test_missed_samples_are_named_as_by_the_readable_code() -> None:

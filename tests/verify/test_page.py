@@ -37,8 +37,8 @@ def test_the_reports_are_those_of_the_command(
     (shown,) = re.findall(rf"^\$ cspdiag verify {re.escape(file)}\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE)
     if not (ROOT / file).exists():
         monkeypatch.chdir(tmp_path)
-    said = _comparable(cspdiag("verify", file).err)
-    assert said[: len(_comparable(shown))] == _comparable(shown)
+    reported = _comparable(cspdiag("verify", file).err)
+    assert reported[: len(_comparable(shown))] == _comparable(shown)
 
 
 def test_the_command_lines_are_understood() -> None:

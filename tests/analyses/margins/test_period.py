@@ -62,15 +62,15 @@ def test_the_answer_keeps_what_is_wanted_and_the_next_period_does_not() -> None:
 
 
 def test_few_periods_are_tried() -> None:
-    looked: list[int] = []
+    tried: list[int] = []
     variant = variants_of(3.0)
 
     def counted(constants: Mapping[str, int]) -> OpenLoop | None:
-        looked.append(constants["T"])
+        tried.append(constants["T"])
         return variant(constants)
 
     assert largest_period(counted, {"T": 10_000_000}, RequiredMargin("phase", 30.0)) is not None
-    assert len(looked) == len(set(looked)) <= 14
+    assert len(tried) == len(set(tried)) <= 14
 
 
 def test_no_period_is_found_if_none_helps() -> None:

@@ -39,29 +39,31 @@ def compared(seed: int) -> Compared:
     report = timing_report(network)
     if not report.is_schedulable:
         return Compared(is_proved=False)
-    ours = [chain for chain in report.chains if (chain.source, chain.sink) == ("x0", "y")]
-    if not ours:
+    between = [chain for chain in report.chains if (chain.source, chain.sink) == ("x0", "y")]
+    if not between:
         return Compared(is_proved=True, wrong="no chain from `x0` to `y`")
-    ages, reactions = [chain.age for chain in ours], [chain.reaction for chain in ours]
+    ages, reactions = [chain.age for chain in between], [chain.reaction for chain in between]
     age = max((each for each in ages if each is not None), default=0) if None not in ages else None
     reaction = max((each for each in reactions if each is not None), default=0) if None not in reactions else None
     # More time passes from a sample that went through other loops before.
     shortest = min((loop.latency[0] for loop in report.loops if loop.latency is not None), default=0)
     found = Compared(is_proved=True, is_age_bounded=age is not None, is_reaction_bounded=reaction is not None)
     with on_processor():
-        for k, times in enumerate(_ways(wcets(network), random.Random(seed))):
+        for k, times in enumerate(_execution_times(wcets(network), random.Random(seed))):
             seen = seen_in(run(network, times, UNTIL), "Main.y")
             found.is_age_reached |= seen.age == age
             found.is_reaction_reached |= seen.reaction == reaction
-            said = [f"age {seen.age} of {age}"] * (age is not None and seen.age > age)
-            said += [f"reaction {seen.reaction} of {reaction}"] * (reaction is not None and seen.reaction > reaction)
-            said += [f"latency {seen.youngest} from {shortest}"] * (seen.age > 0 and seen.youngest < shortest)
-            if said:
-                found.wrong = f"run {k}: {', '.join(said)}"
+            problems = [f"age {seen.age} of {age}"] * (age is not None and seen.age > age)
+            problems += [f"reaction {seen.reaction} of {reaction}"] * (
+                reaction is not None and seen.reaction > reaction
+            )
+            problems += [f"latency {seen.youngest} from {shortest}"] * (seen.age > 0 and seen.youngest < shortest)
+            if problems:
+                found.wrong = f"run {k}: {', '.join(problems)}"
     return found
 
 
-def _ways(stated: dict[str, int], source: random.Random) -> list[Callable[[str], int]]:
+def _execution_times(stated: dict[str, int], source: random.Random) -> list[Callable[[str], int]]:
     quarter = QUARTER * US
     return [
         stated.__getitem__,

@@ -52,9 +52,9 @@ def hunt(first: int, count: int) -> Found:
         if answer != "proved":
             found.reasons[re.sub(r"`[^`]*`", "`…`", report.reason)] += 1
             continue
-        said = missed(network, seed)
-        if said:
-            found.wrong.append((seed, said))
+        reported = missed(network, seed)
+        if reported:
+            found.wrong.append((seed, reported))
     return found
 
 
@@ -85,8 +85,8 @@ def main() -> int:
         print(f"  {count} {reason}")
     ages = hunt_ages(arguments.first, arguments.random)
     print("chains:", dict(ages.answers))
-    for seed, said in [*found.wrong, *ages.wrong]:
-        print(f"WRONG {seed}: {said}")
+    for seed, reported in [*found.wrong, *ages.wrong]:
+        print(f"WRONG {seed}: {reported}")
     return 1 if found.wrong or ages.wrong else 0
 
 

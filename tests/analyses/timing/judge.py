@@ -55,11 +55,11 @@ def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON, 
     with _alarm(patience) as rung:
         try:
             for k, times in enumerate(ways[:runs]):
-                said = _run(network, files, times, source.randint(1, 65000) if k >= 2 else None, until)
+                reported = _run(network, files, times, source.randint(1, 65000) if k >= 2 else None, until)
                 if rung:
                     return STANDS_STILL
-                if said:
-                    return f"run {k}: {said}"
+                if reported:
+                    return f"run {k}: {reported}"
         except _StandsStillError:
             return STANDS_STILL
     return ""

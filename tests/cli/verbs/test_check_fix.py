@@ -164,13 +164,13 @@ def test_all_files_are_written_or_none(
 
     names = iter(["first", None])
 
-    def name_of_a_file_beside(length: int) -> str:
+    def temporary_name(length: int) -> str:
         name = next(names)
         if name is None:
             raise problem
         return name
 
-    monkeypatch.setattr(secrets, "token_hex", name_of_a_file_beside)
+    monkeypatch.setattr(secrets, "token_hex", temporary_name)
     result = cspdiag("check", "--fix", slip, other)
     assert result.code != 0
     assert f"{other}: no space" in result.err or isinstance(problem, KeyboardInterrupt)

@@ -420,8 +420,8 @@ assert P deadlock free
 def waiting_lines(reported: str) -> list[str]:
     """Which process waits for what, and where, without the folder of the file."""
     return [
-        f"{who}{file}"
-        for who, file in re.findall(r"^  (`.*` waits to .* \()(?:.*/)?(.*:\d+\))", reported, re.MULTILINE)
+        f"{waiting}{file}"
+        for waiting, file in re.findall(r"^  (`.*` waits to .* \()(?:.*/)?(.*:\d+\))", reported, re.MULTILINE)
     ]
 
 

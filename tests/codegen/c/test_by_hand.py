@@ -106,8 +106,10 @@ def test_members_of_a_law_have_the_types_of_its_ports(compiler: str, nested: boo
 def test_other_types_are_refused_with_a_reason(
     compiler: str, nested: bool, members: str, member: str, type_: str, tmp_path: Path
 ) -> None:
-    said = compiled(tmp_path, compiler, members, nested=nested)
-    assert f"valve.h: the member `{member}` of `struct valve` has to be `{type_}`, as the port is (tank.csp:" in said
+    reported = compiled(tmp_path, compiler, members, nested=nested)
+    assert (
+        f"valve.h: the member `{member}` of `struct valve` has to be `{type_}`, as the port is (tank.csp:" in reported
+    )
 
 
 @NEEDS_COMPILER

@@ -95,10 +95,10 @@ def test_the_opposite_of_a_condition(condition: Code, opposite: str) -> None:
 
 
 def test_no_branch_is_empty() -> None:
-    said, done = Remark("nothing to do"), store(a, b)
-    assert choose(SAME, [said], [done]) == [said, If(negated(SAME), (done,))]
-    assert choose(SAME, [done], [said]) == [said, If(SAME, (done,))]
-    assert choose(SAME, [said], []) == [said]
+    remark, done = Remark("nothing to do"), store(a, b)
+    assert choose(SAME, [remark], [done]) == [remark, If(negated(SAME), (done,))]
+    assert choose(SAME, [done], [remark]) == [remark, If(SAME, (done,))]
+    assert choose(SAME, [remark], []) == [remark]
     assert lines(choose(SAME, [done], choose(LESS, [done], [run("stop()")]))) == [
         "if (a == b) {",
         "    a = b;",

@@ -179,8 +179,8 @@ def test_a_process_by_hand_communicates_through_all_kinds_of_ends(level: int, tm
     ports = SCALE[: SCALE.index("  communication")].replace("{", 'c "scale.c" {', 1) + "}\n"
     by_hand = network_of(ports + PROGRAM, tmp_path)
 
-    wanted = execute.simulate(in_the_language, pipeline.generate(in_the_language, read_source), until=100 * MS)
+    expected = execute.simulate(in_the_language, pipeline.generate(in_the_language, read_source), until=100 * MS)
     run = native.simulate(by_hand, read_source, level=level, until=100 * MS, options=("-O0",))
-    assert len(wanted.communications) > 50
-    assert communications_of(run) == communications_of(wanted)
-    assert (run.outcome.ended, run.outcome.time) == (wanted.outcome.ended, wanted.outcome.time)
+    assert len(expected.communications) > 50
+    assert communications_of(run) == communications_of(expected)
+    assert (run.outcome.ended, run.outcome.time) == (expected.outcome.ended, expected.outcome.time)

@@ -37,10 +37,10 @@ def network_of(path: Path) -> Network:
 @pytest.mark.parametrize("name", ["names", "priorities", "raising"])
 def test_a_program_gives_the_trace_of_the_reference(name: str, level: int) -> None:
     network = network_of(OWN / f"{name}.csp")
-    wanted = execute.simulate(network, pipeline.generate(network, read_source), until=LIMIT)
+    expected = execute.simulate(network, pipeline.generate(network, read_source), until=LIMIT)
     run = native.simulate(network, read_source, level=level, until=LIMIT, options=STRICT)
-    assert run.communications == wanted.communications
-    assert (run.outcome.ended, run.outcome.time) == (wanted.outcome.ended, wanted.outcome.time)
+    assert run.communications == expected.communications
+    assert (run.outcome.ended, run.outcome.time) == (expected.outcome.ended, expected.outcome.time)
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

@@ -101,8 +101,8 @@ def test_submodels_calculate_like_the_interpreter(name: str, path: str, loaded: 
         given = {port.name: some_value(port.type, source) for port in class_.ports if port.direction == "in"}
         expected = reference.sample(**given)
         calculated = generated.calculate(*given.values())
-        wanted = expected[outputs[0]] if len(outputs) == 1 else tuple(expected[output] for output in outputs)
-        assert same(wanted, calculated)
+        outcome = expected[outputs[0]] if len(outputs) == 1 else tuple(expected[output] for output in outputs)
+        assert same(outcome, calculated)
 
 
 @pytest.mark.parametrize(("name", "environment"), list(plants()))

@@ -58,8 +58,8 @@ def test_names_with_indexes_are_places_in_lists() -> None:
 
 
 def test_the_runtime_exports_what_generated_code_imports() -> None:
-    wanted = "int64 uint8 float32 quotient remainder power nearest limit sign quantize deadzone element replaced sin"
-    assert [name for name in wanted.split() if not hasattr(runtime, name)] == []
+    needed = "int64 uint8 float32 quotient remainder power nearest limit sign quantize deadzone element replaced sin"
+    assert [name for name in needed.split() if not hasattr(runtime, name)] == []
 
 
 def test_members_keep_apart_and_begin_with_no_underscore() -> None:

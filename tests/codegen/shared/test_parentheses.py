@@ -21,11 +21,11 @@ OPERATORS = {
 def test_python_reads_what_was_built(outer: str, inner: str) -> None:
     x, y, z = map(python.Name, "xyz")
     inside = python.infix(inner, OPERATORS[inner], x, y)
-    for built, wanted in (
+    for built, expected in (
         (python.infix(outer, OPERATORS[outer], inside, z), f"(x {inner} y) {outer} z"),
         (python.infix(outer, OPERATORS[outer], z, inside), f"z {outer} (x {inner} y)"),
     ):
-        same = ast.dump(ast.parse(built.flat)) == ast.dump(ast.parse(wanted))
+        same = ast.dump(ast.parse(built.flat)) == ast.dump(ast.parse(expected))
         chained = outer == inner in ("and", "or")  # Python itself makes one node of a chain of them
         assert same or chained, built.flat
 

@@ -31,19 +31,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command."""
     options = _parser().parse_args(arguments)
     until = time.monotonic() + options.seconds if options.seconds else None
-    seed, looked, found = options.first, 0, 0
-    while looked < options.count and (until is None or time.monotonic() < until):
+    seed, tried, found = options.first, 0, 0
+    while tried < options.count and (until is None or time.monotonic() < until):
         program, seed = GENERATORS[options.programs](seed), seed + 1
         made = communications(str(program))
         if made is None or made < LEAST:
             continue
-        looked += 1
+        tried += 1
         runs: list[tuple[tuple[str, ...], str | None, bool]] = [(PYTHON, None, False)]
         compilers = options.compilers
         if compilers and options.in_turn:
-            compilers = [compilers[looked % len(compilers)]]
+            compilers = [compilers[tried % len(compilers)]]
         runs += [(NATIVE, compiler, False) for compiler in compilers]
-        if options.compilers and options.sanitize and looked % options.sanitize == 0:
+        if options.compilers and options.sanitize and tried % options.sanitize == 0:
             runs.append((NATIVE, options.compilers[0], True))
         for names, compiler, sanitized in runs:
             reported = difference(str(program), names, compiler, sanitized=sanitized)
@@ -55,9 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 place.write_text(str(least), encoding="utf-8")
                 print(f"seed {seed - 1}: {reported}\n  {place}", flush=True)
                 break
-        if looked % REPORTED == 0:
-            print(f"{looked} programs, to seed {seed - 1}: {found} differ", flush=True)
-    print(f"{looked} programs with at least {LEAST} communications, to seed {seed - 1}: {found} differ")
+        if tried % REPORTED == 0:
+            print(f"{tried} programs, to seed {seed - 1}: {found} differ", flush=True)
+    print(f"{tried} programs with at least {LEAST} communications, to seed {seed - 1}: {found} differ")
     return int(found > 0)
 
 

@@ -42,7 +42,7 @@ def communications(text: str) -> int | None:
 def difference(text: str, names: Sequence[str], compiler: str | None = None, *, sanitized: bool = False) -> str:
     """The first target that behaves differently from the reference, and how; empty if all behave the same."""
     network = network_of(SourceFile(name="random.csp", text=text))
-    wanted = REFERENCE.run(network, None, LIMIT)
+    expected = REFERENCE.run(network, None, LIMIT)
     for name in names:
         label = name if compiler is None else f"{name} ({compiler}{', sanitized' * sanitized})"
         try:
@@ -50,13 +50,13 @@ def difference(text: str, names: Sequence[str], compiler: str | None = None, *, 
                 done = TARGETS[name].run(network, None, LIMIT)
         except Exception as crash:
             return f"{label} fails with {type(crash).__name__}: {str(crash)[:2000]}"
-        found = compare(wanted.trace, done.trace, external_channels(network))
+        found = compare(expected.trace, done.trace, external_channels(network))
         if found is not None:
             return f"{label} differs\n{found}"
-        if not wanted.ending.agrees_with(done.ending):
-            return f"{label} ends otherwise\n  {wanted.ending}\n  {done.ending}"
-        if done.released is not None and done.released != wanted.released:
-            return f"{label} releases otherwise\n  {wanted.released}\n  {done.released}"
+        if not expected.ending.agrees_with(done.ending):
+            return f"{label} ends otherwise\n  {expected.ending}\n  {done.ending}"
+        if done.released is not None and done.released != expected.released:
+            return f"{label} releases otherwise\n  {expected.released}\n  {done.released}"
     return ""
 
 
@@ -75,9 +75,9 @@ def smallest(
     A program whose difference cannot be reproduced is returned unchanged.
     """
     until = time.monotonic() + seconds
-    way, going = reported.partition("\n")[0], True
-    while going:
-        going = False
+    way, found_smaller = reported.partition("\n")[0], True
+    while found_smaller:
+        found_smaller = False
         for other in program.smaller():
             if time.monotonic() > until:
                 return program, reported
@@ -86,7 +86,7 @@ def smallest(
             except InvalidProgramError:
                 continue
             if found.partition("\n")[0] == way:
-                program, reported, going = other, found, True
+                program, reported, found_smaller = other, found, True
                 break
     return program, reported
 

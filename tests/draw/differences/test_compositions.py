@@ -68,12 +68,12 @@ def test_renamed_instances_are_no_change_of_the_composition() -> None:
 
 def test_an_added_or_removed_composition_is_one_change() -> None:
     without = CompositionDiagram(key="P", root=None)
-    came = compared(without, diagram("a ; b"))
-    assert [change.action for change in came.changes] == ["added"]
-    went = compared(diagram("a ; b"), without)
-    assert [change.action for change in went.changes] == ["removed"]
-    assert {mark.kind for mark in came.marks.values()} == {"added"}
-    assert outline(came.diagram) == outline(went.diagram)
+    addition = compared(without, diagram("a ; b"))
+    assert [change.action for change in addition.changes] == ["added"]
+    removal = compared(diagram("a ; b"), without)
+    assert [change.action for change in removal.changes] == ["removed"]
+    assert {mark.kind for mark in addition.marks.values()} == {"added"}
+    assert outline(addition.diagram) == outline(removal.diagram)
     assert compared(without, without).changes == ()
 
 

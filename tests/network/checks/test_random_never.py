@@ -131,14 +131,14 @@ def reported_and_run(seed: int) -> tuple[set[int], set[int]] | None:
     text = program(seed)
     source = SourceFile(name="never.csp", text=text)
     built = pipeline.build(source, lambda _: source)
-    said = set()
+    reported = set()
     for found in built.checked.report.diagnostics:
         line, _ = source.position(found.span.start)
         if found.code in {"W0613", "W0615"}:
             # What runs when a branch is chosen begins on the line below its guard.
             line += 1
         if found.code in {"W0611", "W0613", "W0615"}:
-            said.add(line)
+            reported.add(line)
     if built.network is None:
         return None
     run: set[int] = set()
@@ -154,21 +154,21 @@ def reported_and_run(seed: int) -> tuple[set[int], set[int]] | None:
     # A loop whose delays are zero in some instance would continue forever.
     with suppress(_EnoughError):
         execute(built.network, until=40_000_000, look=look)
-    return said, run
+    return reported, run
 
 
 def hunt(seeds: range) -> tuple[int, int, list[int]]:
     """How many programs ran, how many parts were reported never to run, and the seeds of false reports."""
     answers = {seed: answer for seed in seeds if (answer := reported_and_run(seed)) is not None}
-    wrong = [seed for seed, (said, run) in answers.items() if said & run]
-    return len(answers), sum(len(said) for said, _ in answers.values()), wrong
+    wrong = [seed for seed, (reported, run) in answers.items() if reported & run]
+    return len(answers), sum(len(reported) for reported, _ in answers.values()), wrong
 
 
 def test_what_is_reported_as_impossible_never_happens() -> None:
-    ran, said, wrong = hunt(range(50))
+    ran, reported, wrong = hunt(range(50))
     assert wrong == []
     assert ran > 30
-    assert said > 10
+    assert reported > 10
 
 
 if __name__ == "__main__":

@@ -156,10 +156,10 @@ def test_relay_has_hysteresis() -> None:
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=30))
 def test_rate_limiter_never_moves_faster_and_follows_what_is_slower(signal: list[float]) -> None:
     found = outputs("RateLimiter", "x", signal, "y", rising=2000.0, falling=1000.0)
-    for before, after, wanted in zip([0.0, *found[:-1]], found, signal, strict=True):
+    for before, after, unlimited in zip([0.0, *found[:-1]], found, signal, strict=True):
         assert -1 - 1e-9 <= after - before <= 2 + 1e-9
-        if -1 <= wanted - before <= 2:
-            assert after == pytest.approx(wanted, abs=1e-12)
+        if -1 <= unlimited - before <= 2:
+            assert after == pytest.approx(unlimited, abs=1e-12)
 
 
 def test_ramp_goes_to_the_target_at_constant_speed() -> None:

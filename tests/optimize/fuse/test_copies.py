@@ -28,7 +28,7 @@ process Main {{
 
 
 @pytest.mark.parametrize(
-    ("composition", "wanted"),
+    ("composition", "expected"),
     [
         ("b := a ; y ! b", "a"),
         ("b := a ; c := b ; y ! c", "a"),
@@ -52,8 +52,8 @@ process Main {{
         ("b := a ; (u ? c catch Timeout -> y ! b)", "a"),
     ],
 )
-def test_what_is_read(composition: str, wanted: str) -> None:
-    assert next(line for line in lines_of(composition) if line.startswith("y ! ")) == f"y ! {wanted}"
+def test_what_is_read(composition: str, expected: str) -> None:
+    assert next(line for line in lines_of(composition) if line.startswith("y ! ")) == f"y ! {expected}"
 
 
 def test_what_holds_after_a_loop_holds_in_its_condition() -> None:

@@ -98,7 +98,7 @@ class Channels:
                     self._put(st, op, channel.size, channel.kind == "overwrite") if op.end == "!" else self._get(st, op)
                 )
             case "broadcast":
-                return self._tell(st, op) if op.end == "!" else self._hear(st, op, me.branch)
+                return self._broadcast(st, op) if op.end == "!" else self._receive(st, op, me.branch)
             case _:
                 return self._meet(st, op)
 
@@ -144,7 +144,7 @@ class Channels:
             self.wake(st, op.channel, "!")
         return op._replace(done=True, value=held[0])
 
-    def _tell(self, st: State, op: Op) -> Op:
+    def _broadcast(self, st: State, op: Op) -> Op:
         """Give the value to each end at which a reader waits; the writer continues when all ends have it."""
         assert op.value is not None
         pending: list[int] = []
@@ -159,7 +159,7 @@ class Channels:
                 self.wake(st, op.channel, "?", only=end)
         return op._replace(pending=tuple(pending), done=not pending)
 
-    def _hear(self, st: State, op: Op, branch: int) -> Op:
+    def _receive(self, st: State, op: Op, branch: int) -> Op:
         for other, thread in self.plain(st, op.channel, "!"):
             if branch in other.pending:
                 assert other.value is not None
@@ -242,7 +242,7 @@ class Channels:
         value = offer.value
         if offer.kind == "read":
             if any(me.branch in op.pending for op, _ in self.plain(st, channel, "!")):
-                return self._hear(st, Op(channel, "?", None, offer.seq), me.branch).value
+                return self._receive(st, Op(channel, "?", None, offer.seq), me.branch).value
             other, thread, depth = self._alternatives(st, offer, me)[0]
             value = other.value
             assert value is not None

@@ -28,14 +28,14 @@ class Laws(Core):
         return self._joint(st, thread, Frame(kind, node.id), "!", [(event.channel, value)])
 
     def _joint(
-        self, st: State, thread: Thread, frame: Frame, end: str, wanted: Sequence[tuple[str, Value | None]]
+        self, st: State, thread: Thread, frame: Frame, end: str, requested: Sequence[tuple[str, Value | None]]
     ) -> Signal:
         """Communications that are performed together; what is available is taken in their order."""
         if thread.cancel:
             return CANCEL
         thread.stack += (frame,)
         ops: list[Op] = []
-        for channel, value in wanted:
+        for channel, value in requested:
             st.seq += 1
             op = Op(channel, end, value, st.seq, session=self.linked.sessions.get((frame.node, channel), 0))
             if channel not in self.linked.ports:
@@ -46,7 +46,7 @@ class Laws(Core):
         thread.wait = Joint(tuple(ops))
         return ("retry",)
 
-    def _look_again(self, st: State, thread: Thread) -> Signal:
+    def _retry(self, st: State, thread: Thread) -> Signal:
         """Take what has arrived at external inputs."""
         assert isinstance(thread.wait, Joint)
         ops = list(thread.wait.ops)

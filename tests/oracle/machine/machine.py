@@ -82,7 +82,7 @@ class Machine(Parallels, Guards, Laws):
         best = min(priority.values())
         return [tid for tid in st.ready if priority[tid] == best]
 
-    def more_comes(self, st: State) -> bool:
+    def more_follows(self, st: State) -> bool:
         """Whether anything that arrives by itself can wake a process, or a value has yet to be output."""
         if st.latches or self.clock.dues(st):
             return True
@@ -148,7 +148,7 @@ class Machine(Parallels, Guards, Laws):
                 case ("retry",) if isinstance(thread.wait, Choice):
                     return self._choose(st, thread, thread.wait)
                 case ("retry",):
-                    return self._look_again(st, thread)
+                    return self._retry(st, thread)
                 case ("cancel",):
                     self._end(st, thread, None, cancelled=True)
                     return None

@@ -54,7 +54,7 @@ ORDERED = ("<", "<=", ">", ">=")
 MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 
 
-def asks_for_the_time(seed: int) -> bool:
+def uses_the_time(seed: int) -> bool:
     """True for about one program in six; for the other seeds, programs are the same as without this choice."""
     return Random(f"now {seed}").random() < 1 / 6
 

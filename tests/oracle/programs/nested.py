@@ -14,7 +14,7 @@ from random import Random
 
 from tests.oracle.programs.closed import boxes, is_wide
 from tests.oracle.programs.forms import forever
-from tests.oracle.programs.instants import asks_for_the_time
+from tests.oracle.programs.instants import uses_the_time
 from tests.oracle.programs.places import Place, beside, ends, places
 from tests.oracle.programs.shrink import tidy
 from tests.oracle.programs.text import uses
@@ -63,7 +63,7 @@ DRAWN = Lit(True, BOOL)
 
 def is_nested(seed: int) -> bool:
     """True for about one program in five; for the other seeds, programs are the same as without this choice."""
-    return not is_wide(seed) and not asks_for_the_time(seed) and Random(f"nested {seed}").random() < 0.4
+    return not is_wide(seed) and not uses_the_time(seed) and Random(f"nested {seed}").random() < 0.4
 
 
 def nested(seed: int, *, inputs: bool = False, sampled: bool = False, timed: bool = True) -> Program:

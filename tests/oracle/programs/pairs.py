@@ -11,7 +11,7 @@ from random import Random
 
 from tests.oracle.programs.closed import closed, is_wide
 from tests.oracle.programs.forms import Forms, forever
-from tests.oracle.programs.instants import asks_for_the_time, with_instants
+from tests.oracle.programs.instants import uses_the_time, with_instants
 from tests.oracle.programs.nested import is_nested, nested
 from tests.oracle.programs.scope import MODE, PAIR, TWO, Scope, World
 from tests.oracle.programs.shrink import tidy
@@ -67,8 +67,8 @@ def pair(seed: int) -> Pair:
         base, forms = _interrupted(rng)
     else:
         base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng, wide=wide)
-    asks, instants = asks_for_the_time(seed), Random(f"instants {seed}")
-    if asks:
+    uses_time, instants = uses_the_time(seed), Random(f"instants {seed}")
+    if uses_time:
         base = with_instants(base, instants, changes=1)
     one, other = base, base
     if wide:
@@ -79,7 +79,7 @@ def pair(seed: int) -> Pair:
         other = _looser(rng, other)
     if is_nested(seed) and rng.random() < 0.5:
         other = _writing_anything(rng, base)
-    one = _otherwise(rng, one, may_compute=not asks)
+    one = _otherwise(rng, one, may_compute=not uses_time)
     holds: bool | None = None if wide else True
     if rng.random() < 0.5:
         world = forms.scope.world
@@ -90,7 +90,7 @@ def pair(seed: int) -> Pair:
             replace(changed, variables=tuple({v.name: v for v in (*world.variables, *one.variables)}.values())),
             None,
         )
-    if asks and instants.random() < 0.3:
+    if uses_time and instants.random() < 0.3:
         one, holds = with_instants(one, instants, changes=1), None
     kept = base.ports
     hidden: tuple[Port, ...] = ()

@@ -47,15 +47,15 @@ Wrong = Callable[[Program], bool]
 def shrink(program: Program, wrong: Wrong, *, seconds: float = 60) -> Program:
     """Try smaller programs, starting again as soon as one is still wrong, until none is or the time is up."""
     end = time.monotonic() + seconds
-    going = True
-    while going:
-        going = False
+    found_smaller = True
+    while found_smaller:
+        found_smaller = False
         for smaller in _smaller(program):
             if time.monotonic() > end:
                 return program
             made = tidy(smaller)
             if made != program and wrong(made):
-                program, going = made, True
+                program, found_smaller = made, True
                 break
     return program
 

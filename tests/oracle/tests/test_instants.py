@@ -8,7 +8,7 @@ from tests.oracle.compare import program_of
 from tests.oracle.hunt import hunt
 from tests.oracle.machine.horizon import BEYOND, Horizon, horizon
 from tests.oracle.page_run import page_run
-from tests.oracle.programs.instants import asks_for_the_time, single_steps, with_instants, with_knot
+from tests.oracle.programs.instants import single_steps, uses_the_time, with_instants, with_knot
 from tests.oracle.programs.shrink import tidy
 from tests.oracle.programs.text import expression
 from tests.oracle.programs.tree import (
@@ -125,8 +125,8 @@ def test_loops_that_the_present_instant_does_not_end_continue(body: Comp) -> Non
 def test_ages_that_are_distinguished_are_those_that_are_compared() -> None:
     """The writer is lost if the reader stops at a time that is 2 ms old, as every time is when it is read."""
     for age, free in ((2, False), (3, True)):
-        asks = Seq((Read("c", Target("t", TIME)), If(Bin("==", AGE, time(age), BOOL), Stop())))
-        body = Par((Mu(Seq((Write("c", Now()), Wait(2 * MS)))), Mu(Seq((Wait(2 * MS), asks)))))
+        stops_at_age = Seq((Read("c", Target("t", TIME)), If(Bin("==", AGE, time(age), BOOL), Stop())))
+        body = Par((Mu(Seq((Write("c", Now()), Wait(2 * MS)))), Mu(Seq((Wait(2 * MS), stops_at_age)))))
         assert decide(made(body, "buffer"), "deadlock free").holds is free
 
 
@@ -185,7 +185,7 @@ def test_the_present_instant_is_written_as_now() -> None:
 
 
 def test_one_program_in_six_uses_the_time_in_many_ways() -> None:
-    asking = [seed for seed in range(600) if asks_for_the_time(seed)]
+    asking = [seed for seed in range(600) if uses_the_time(seed)]
     assert 80 < len(asking) < 120
     programs = [program_of(seed, inputs=seed % 3 == 0) for seed in asking]
     forms = {type(part) for program in programs for part in walk(program.body) if "Now" in repr(part)}

@@ -27,7 +27,7 @@ def test_exhausted_memory_gives_no_answer(monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_knot_next_to_running_processes_is_distinguished_from_a_deadlock() -> None:
     question = Question("P", "deadlock free", SPAN)
     deadlock = prove(question, lambda _: known.philosophers(3), Limits())
-    knot = prove(question, lambda _: known.beside_a_loop(known.philosophers(3)), Limits())
+    knot = prove(question, lambda _: known.with_loop(known.philosophers(3)), Limits())
     assert deadlock.counterexample is not None
     assert knot.counterexample is not None
     assert (deadlock.counterexample.failure, knot.counterexample.failure) == ("deadlock", "knot")

@@ -85,8 +85,8 @@ def _offers(state: State, sight: Sight) -> set[object] | None:
     return None if None in labels else {label for label in labels if label is not None}
 
 
-def _after(states: Iterable[State], wanted: Label, sight: Sight) -> list[State]:
-    return [after for state in states for label, after in sight.steps(state) if label is not None and label == wanted]
+def _after(states: Iterable[State], expected: Label, sight: Sight) -> list[State]:
+    return [after for state in states for label, after in sight.steps(state) if label is not None and label == expected]
 
 
 def _closed(states: Iterable[State], sight: Sight) -> frozenset[State]:

@@ -33,9 +33,7 @@ def test_a_butler_that_keeps_one_seat_empty_gives_a_proof(together: bool) -> Non
 
 
 def test_there_is_no_deadlock_next_to_a_loop_that_never_waits() -> None:
-    assert isinstance(
-        by_invariants(StuckQuestion(known.beside_a_loop(table_with_butler(3, 3)), True), Limits()), Proved
-    )
+    assert isinstance(by_invariants(StuckQuestion(known.with_loop(table_with_butler(3, 3)), True), Limits()), Proved)
 
 
 def test_a_butler_that_admits_all_philosophers_proves_nothing() -> None:

@@ -49,7 +49,7 @@ def test_the_candidate_of_the_philosophers_is_their_deadlock(together: bool) -> 
 
 
 def test_a_loop_hides_the_deadlock_of_the_philosophers_but_not_their_knot() -> None:
-    system = known.beside_a_loop(known.philosophers(4))
+    system = known.with_loop(known.philosophers(4))
     assert isinstance(proof(system, together=True), Proved)
     verdict = proof(system, together=False)
     assert isinstance(verdict, Unknown)

@@ -68,7 +68,7 @@ def test_deadlocks_are_counted_and_the_shortest_trace_leads_to_one(name: str) ->
 
 
 def test_a_loop_that_runs_on_hides_a_deadlock_but_not_a_knot() -> None:
-    system = known.beside_a_loop(known.philosophers(6))
+    system = known.with_loop(known.philosophers(6))
     assert count(system, Limits()) == (25342, 0)
     assert isinstance(deadlock_free(system, Limits()), Proved)
     verdict = knot_free(system, Limits())

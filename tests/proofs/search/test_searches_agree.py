@@ -61,7 +61,7 @@ def test_a_search_answers_as_the_plain_interpretation_does(
     assert 30 < sum(answers) < len(answers) - 30, "both answers appear often"
 
 
-@pytest.mark.parametrize(("short_look", "large"), [(0, False), (3000, False), (0, True)])
+@pytest.mark.parametrize(("brief_search", "large"), [(0, False), (3000, False), (0, True)])
 @pytest.mark.parametrize(
     ("search", "holds", "fewest"),
     [(livelock.livelock_free, naive.livelocked, 30), (termination.terminates, naive.never_ends, 8)],
@@ -70,11 +70,11 @@ def test_endless_runs_are_found_as_the_plain_interpretation_finds_them(
     search: Callable[[System, Limits], Verdict],
     holds: Callable[[System, naive.State], bool],
     fewest: int,
-    short_look: int,
+    brief_search: int,
     large: bool,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(cycles, "_BRIEF_SEARCH_STATES", short_look)
+    monkeypatch.setattr(cycles, "_BRIEF_SEARCH_STATES", brief_search)
     monkeypatch.setattr(reduction, "_WORTH_WHILE", 0 if large else 10**6)
     true = 0
     for seed in SEEDS:

@@ -50,7 +50,7 @@ def test_a_deadlock_is_found_with_a_trace_to_it(name: str) -> None:
 
 @pytest.mark.parametrize("name", DEADLOCKED)
 def test_a_knot_is_found_next_to_a_loop_and_its_trace_has_no_move_of_the_loop(name: str) -> None:
-    system = known.beside_a_loop(DEADLOCKED[name])
+    system = known.with_loop(DEADLOCKED[name])
     assert isinstance(stubborn.deadlock_free(system, Limits()), Proved)
     verdict = stubborn.knot_free(system, Limits())
     assert isinstance(verdict, Refuted)
@@ -82,7 +82,7 @@ def test_a_search_that_reaches_a_limit_says_so() -> None:
 
 
 def test_where_a_failure_may_end_what_is_stuck_the_question_is_left_open() -> None:
-    ring = known.beside_a_loop(known.philosophers(4))
+    ring = known.with_loop(known.philosophers(4))
     failing = replaced(ring, events=(*ring.events[:-1], replaced(ring.events[-1], kind="failure")))
     verdict = stubborn.knot_free(failing, Limits())
     assert isinstance(verdict, Unknown)

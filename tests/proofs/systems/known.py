@@ -180,7 +180,7 @@ def client_server_ring(number: int) -> System:
     return compose(_server(f"p{at}", str(at), str((at + 1) % number), starts=True) for at in range(number))
 
 
-def beside_a_loop(system: System) -> System:
+def with_loop(system: System) -> System:
     """The system, and two processes that communicate forever and have nothing to do with it."""
     ask, answer = len(system.events), len(system.events) + 1
     first = len(system.components)
@@ -290,9 +290,9 @@ def table_with_butler(seats: int, admitted: int) -> System:
         machines.append(Machine(f"fork{at}", table))
     butler: dict[str, list[tuple[str, str]]] = {}
     for seated in range(admitted + 1):
-        comes = [(f"sit{at}", f"{seated + 1}") for at in range(seats)] if seated < admitted else []
-        goes = [(f"rise{at}", f"{seated - 1}") for at in range(seats)] if seated else []
-        butler[f"{seated}"] = comes + goes
+        arrivals = [(f"sit{at}", f"{seated + 1}") for at in range(seats)] if seated < admitted else []
+        departures = [(f"rise{at}", f"{seated - 1}") for at in range(seats)] if seated else []
+        butler[f"{seated}"] = arrivals + departures
     return compose([*machines, Machine("butler", butler)])
 
 

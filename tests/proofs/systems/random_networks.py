@@ -141,15 +141,15 @@ def _resources(chooser: random.Random, number: int) -> System:
     shared = max(2, number // 2)
     users = [chooser.sample(range(shared), chooser.randint(1, min(3, shared))) for _ in range(max(2, number - shared))]
     tables: list[Table] = []
-    for user, wanted in enumerate(users):
+    for user, needed in enumerate(users):
         if chooser.random() < 0.8:
-            wanted.sort()
-        given = wanted[:]
+            needed.sort()
+        given = needed[:]
         chooser.shuffle(given)
-        names = [f"take{user}.{resource}" for resource in wanted] + [f"give{user}.{resource}" for resource in given]
+        names = [f"take{user}.{resource}" for resource in needed] + [f"give{user}.{resource}" for resource in given]
         tables.append([[(name, (at + 1) % len(names))] for at, name in enumerate(names)])
     for resource in range(shared):
-        takers = [user for user, wanted in enumerate(users) if resource in wanted]
+        takers = [user for user, needed in enumerate(users) if resource in needed]
         table: Table = [[(f"take{user}.{resource}", at + 1) for at, user in enumerate(takers)]]
         table += [[(f"give{user}.{resource}", 0)] for user in takers]
         tables.append(table)

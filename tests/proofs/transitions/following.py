@@ -112,7 +112,7 @@ def follow(
     system: System,
     communications: Sequence[Communication],
     unseen: set[str],
-    wanted: Callable[[System, State], bool] = lambda _system, _state: True,
+    condition: Callable[[System, State], bool] = lambda _system, _state: True,
     limit: int = 60_000,
 ) -> State | None:
     """A state after the communications, at which ``wanted`` holds; None if ``limit`` states were not enough to find
@@ -128,7 +128,7 @@ def follow(
     while pending:
         _, silent, _, (state, done) = heapq.heappop(pending)
         furthest = max(furthest, done)
-        if done == len(communications) and wanted(system, state):
+        if done == len(communications) and condition(system, state):
             return state
         for event, after in moves(system, state):
             step = done

@@ -54,10 +54,10 @@ def is_followed(
     Lost if it is not allowed.
     """
     communications, unseen = observed(network, made)
-    wanted = {"terminated": has_ended, "deadlock": is_stuck}.get(ended)
-    if wanted is None or len(communications) > LONGEST:
+    condition = {"terminated": has_ended, "deadlock": is_stuck}.get(ended)
+    if condition is None or len(communications) > LONGEST:
         return follow(system, communications[:LONGEST], unseen, limit=limit) is not None
-    return follow(system, communications, unseen, wanted, limit) is not None
+    return follow(system, communications, unseen, condition, limit) is not None
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -263,11 +263,11 @@ def test_a_policy_decides_when_delays_end_and_interrupts_arrive() -> None:
 
 def test_a_supply_is_asked_when_a_process_reads() -> None:
     class Counting(Supply):
-        asked = 0
+        count = 0
 
         def value(self, port: str, reader: Task) -> int:
-            self.asked += 1
-            return self.asked
+            self.count += 1
+            return self.count
 
     supply = Counting()
     source = EventInput[int]("in", driver=supply)
@@ -287,7 +287,7 @@ def test_a_supply_is_asked_when_a_process_reads() -> None:
     while run.run_ready(1):
         pass
     assert got == [1, 2, 3, 4]
-    assert supply.asked == 4
+    assert supply.count == 4
     assert not run.root.ended
     run.close()
 

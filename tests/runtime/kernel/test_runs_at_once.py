@@ -107,26 +107,26 @@ def test_a_process_runs_a_network_and_continues_in_its_own() -> None:
 
 def test_a_run_without_a_policy_runs_inside_one_that_has_one() -> None:
     class Counting(Policy):
-        asked = 0
+        questions = 0
 
         def next(self, ready: object) -> int:
-            self.asked += 1
+            self.questions += 1
             return 0
 
-    asked: list[int] = []
+    questions: list[int] = []
 
     def meet() -> None:
-        if not asked:
-            before = policy.asked
+        if not questions:
+            before = policy.questions
             assert _alone(1000)[2] > 0
-            asked.append(policy.asked - before)
+            questions.append(policy.questions - before)
 
     policy = Counting()
     network, trace, seen, environment = _network(0, meet)
     outcome = network.run(environment, observer=trace, policy=policy)
     assert (list(trace.communications), seen, outcome.time) == _alone(0)
-    assert asked == [0]
-    assert policy.asked > ROUNDS
+    assert questions == [0]
+    assert policy.questions > ROUNDS
 
 
 def test_channels_are_those_of_the_run_that_uses_them_now() -> None:

@@ -166,7 +166,7 @@ def test_a_handler_of_the_caller_is_kept_and_outputs_are_released() -> None:
     class AskedError(Exception):
         pass
 
-    def ask(*_: object) -> None:
+    def request(*_: object) -> None:
         raise AskedError
 
     async def top() -> None:
@@ -175,7 +175,7 @@ def test_a_handler_of_the_caller_is_kept_and_outputs_are_released() -> None:
 
     main_thread = threading.main_thread().ident
     assert main_thread is not None
-    before = signal.signal(signal.SIGTERM, ask)
+    before = signal.signal(signal.SIGTERM, request)
     try:
         threading.Timer(0.05, signal.pthread_kill, (main_thread, signal.SIGTERM)).start()
         with pytest.raises(AskedError):
@@ -203,7 +203,7 @@ def test_a_handler_of_the_caller_that_raises_again_and_again_does_not_interrupt_
     motor = Motor()
     u = EventOutput[float]("Top.u", driver=motor, safe=0.0)
 
-    def ask(*_: object) -> None:
+    def request(*_: object) -> None:
         calls.append([*motor.written])
         raise AskedError
 
@@ -213,11 +213,11 @@ def test_a_handler_of_the_caller_that_raises_again_and_again_does_not_interrupt_
             signal.raise_signal(signal.SIGTERM)
         await wait(ms)
 
-    before = signal.signal(signal.SIGTERM, ask)
+    before = signal.signal(signal.SIGTERM, request)
     try:
         with pytest.raises(AskedError):
             Network(Body(top), [u]).run(real_time=True)
-        assert signal.getsignal(signal.SIGTERM) is ask
+        assert signal.getsignal(signal.SIGTERM) is request
     finally:
         signal.signal(signal.SIGTERM, before)
     assert calls == [[3.0], [3.0, 0.0]]

@@ -55,12 +55,12 @@ def text_of(expression: str, **how: object) -> str:
     return run.summary().splitlines()[0]
 
 
-@pytest.mark.parametrize(("expression", "said"), FAULTS.items(), ids=FAULTS)
-def test_a_fault_says_the_same_in_python_and_on_the_meaning_of_the_language(expression: str, said: str) -> None:
+@pytest.mark.parametrize(("expression", "reported"), FAULTS.items(), ids=FAULTS)
+def test_a_fault_says_the_same_in_python_and_on_the_meaning_of_the_language(expression: str, reported: str) -> None:
     texts = {text_of(expression, level=level) for level in (0, 1, "reference")}
     assert len(texts) == 1
     (text,) = texts
-    assert said in text
+    assert reported in text
     assert text.endswith("in Main (case.csp:16)")
 
 

@@ -62,11 +62,11 @@ def test_the_first_fault_in_the_order_of_the_text_is_reported_at_its_line(
     text, line = SHAPES[shape]
     program = tmp_path / "guards.csp"
     program.write_text(PROGRAM % text)
-    said = set()
+    reported = set()
     for options in (["-O0"], ["-O1"], ["-O0", "--target", "c"]):
         assert main(["run", str(program), *options]) == 1
-        said.update(re.findall(r"Fault: .*", capsys.readouterr().err))
-    assert said == {f"Fault: division by zero, in Main (guards.csp:{line})"}
+        reported.update(re.findall(r"Fault: .*", capsys.readouterr().err))
+    assert reported == {f"Fault: division by zero, in Main (guards.csp:{line})"}
 
 
 def test_many_guards_alike_are_reported_at_the_line_of_their_conditions(

@@ -133,13 +133,13 @@ def test_a_missing_package_is_named_with_its_extra(
 
 
 def test_the_packages_are_imported_only_where_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
+    requested: list[str] = []
     original = builtins.__import__
 
     def noting(name: str, *rest: object, **more: object) -> object:
-        asked.append(name.partition(".")[0])
+        requested.append(name.partition(".")[0])
         return original(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", noting)
     cspdiag.load(JIWY).run(until=0.01)["control_vertical"]
-    assert not {"pandas", "xarray"} & set(asked)
+    assert not {"pandas", "xarray"} & set(requested)

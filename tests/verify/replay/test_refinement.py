@@ -71,9 +71,9 @@ def test_run(run: list[tuple[str, object]], says: str | None) -> None:
     judged = judge(
         question, lambda apart: SystemCache(obligations).of("Demands", apart, AsSpecification()), network, Limits()
     )
-    said = judged([(f"Has.{port}", value) for port, value in run], Resting((), can_continue=True))
-    assert (said is None) == (says is None)
-    assert (said or "").startswith(says or "")
+    reported = judged([(f"Has.{port}", value) for port, value in run], Resting((), can_continue=True))
+    assert (reported is None) == (says is None)
+    assert (reported or "").startswith(says or "")
 
 
 HIDES_AN_ARRAY = """process Two {

@@ -343,6 +343,6 @@ def test_independent_steps_may_be_reordered() -> None:
     network = obligations.network("Both")
     assert network is not None
     wrote = TraceStep("communication", "Both.keeps.kept", None, (("Both.keeps", "Both.keeps"),))
-    looked = TraceStep("internal", "", None, (("Both.polls", "Both.polls"),))
-    trace = Trace("Both", {}, "", "deadlock", (wrote, looked), (), (("Both.polls", frozenset()),), exact=True)
+    checked = TraceStep("internal", "", None, (("Both.polls", "Both.polls"),))
+    trace = Trace("Both", {}, "", "deadlock", (wrote, checked), (), (("Both.polls", frozenset()),), exact=True)
     assert replayed(network, trace, read_source).succeeded

@@ -152,9 +152,9 @@ WAITING = (
     ],
 )
 def test_a_partner_that_may_wait_for_something_else_has_no_bound(port: str, body: str, reason: str) -> None:
-    said = refused(waiting(body, port))
-    assert said.startswith("Main.law: it waits at `passed` without bound")
-    assert said.endswith(reason)
+    reason_given = refused(waiting(body, port))
+    assert reason_given.startswith("Main.law: it waits at `passed` without bound")
+    assert reason_given.endswith(reason)
 
 
 def test_a_partner_that_offers_the_channel_wherever_it_waits_has_one() -> None:

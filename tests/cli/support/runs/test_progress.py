@@ -51,9 +51,9 @@ ENDLESS = "process Main {\n  composition { mu wait 1 ms }\n}\nenvironment E for 
 STUCK = "process Main {\n  composition { stop }\n}\nenvironment E for Main {}\n"
 
 
-@pytest.mark.parametrize(("text", "is_said"), [(ENDLESS, True), (STUCK, True), (ENDLESS.replace("mu ", ""), False)])
+@pytest.mark.parametrize(("text", "is_reported"), [(ENDLESS, True), (STUCK, True), (ENDLESS.replace("mu ", ""), False)])
 def test_a_run_that_never_ends_says_so_after_a_while(
-    text: str, is_said: bool, capsys: pytest.CaptureFixture[str]
+    text: str, is_reported: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     network = pipeline.build(SourceFile(name="main.csp", text=text), read_source).network
     assert network is not None
@@ -61,7 +61,7 @@ def test_a_run_that_never_ends_says_so_after_a_while(
         run.attach()
         if run.thread.ident is not None:
             run.thread.join()
-    assert ("Main never ends by itself: Ctrl-C ends the run" in capsys.readouterr().err) == is_said
+    assert ("Main never ends by itself: Ctrl-C ends the run" in capsys.readouterr().err) == is_reported
 
 
 def test_a_run_that_ends_soon_does_not_say_that_it_never_ends(

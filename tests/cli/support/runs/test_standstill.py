@@ -19,9 +19,9 @@ from cspdiag.simulate.record.recorder import Recorder
 class _Clock:
     """Stays at one instant, or advances by a nanosecond at each check; signals when it was checked that often."""
 
-    def __init__(self, step: int, looks: int) -> None:
+    def __init__(self, step: int, checks: int) -> None:
         self.step = step
-        self.left = looks
+        self.left = checks
         self.seen = threading.Event()
         self._now = 2_000_000_000
 
@@ -46,18 +46,18 @@ def _recorder(*names: str) -> Recorder:
 
 def test_a_standstill_is_reported_once_with_what_runs(capsys: pytest.CaptureFixture[str]) -> None:
     with Standstill(_recorder("c[0]", "c[1]", "c[2]", "c[3]", "c[4]"), "Top", patience=0.001) as standstill:
-        standstill.attach(_Clock(step=0, looks=2))
+        standstill.attach(_Clock(step=0, checks=2))
         standstill.thread.join()
-    said = capsys.readouterr().err
-    assert said.startswith(
+    reported = capsys.readouterr().err
+    assert reported.startswith(
         "cspdiag: simulated time stands still at 2 s, with c[0], c[1], c[2], c[3] and 1 more running: "
     )
-    assert "assert Top livelock free" in said
-    assert said.count("\n") == 1
+    assert "assert Top livelock free" in reported
+    assert reported.count("\n") == 1
 
 
 def test_nothing_is_reported_while_time_advances(capsys: pytest.CaptureFixture[str]) -> None:
-    clock = _Clock(step=1, looks=5)
+    clock = _Clock(step=1, checks=5)
     with Standstill(_recorder("c"), "Top", patience=0.001) as standstill:
         standstill.attach(clock)
         assert clock.seen.wait(60)
@@ -103,33 +103,33 @@ process Main {
 """
 
 
-def _stopped_when_it_stands(text: str, tmp_path: Path, *options: str) -> tuple[str, str]:
+def _stopped_at_standstill(text: str, tmp_path: Path, *options: str) -> tuple[str, str]:
     """What a run reports about the standstill, and, after Ctrl-C, about how it has ended."""
     program = tmp_path / "stands.csp"
     program.write_text(text)
     command = [sys.executable, "-m", "cspdiag", "run", *options, str(program)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:
         assert running.stderr is not None
-        said = next(line for line in running.stderr if "stands still" in line)
+        reported = next(line for line in running.stderr if "stands still" in line)
         running.send_signal(signal.SIGINT)
         _, ended = running.communicate()
-    return said, ended
+    return reported, ended
 
 
 @pytest.mark.parametrize("options", [("-O0",), ("-O1",), ("--target", "c", "-O0"), ("--target", "c", "-O1")])
 def test_process_and_line_are_named_of_a_loop_in_which_time_stands_still(
     options: tuple[str, ...], tmp_path: Path
 ) -> None:
-    said, ended = _stopped_when_it_stands(STANDS, tmp_path, *options)
-    assert "stands still at 0 s" in said
-    assert "Main (stands.csp:11)" in said
+    reported, ended = _stopped_at_standstill(STANDS, tmp_path, *options)
+    assert "stands still at 0 s" in reported
+    assert "Main (stands.csp:11)" in reported
     assert re.search(r"simulated 0 s in [1-9][0-9.]* s", ended)
 
 
 def test_instant_and_partners_of_an_endless_native_program_are_named(tmp_path: Path) -> None:
-    said, ended = _stopped_when_it_stands(SPINS, tmp_path, "--target", "c", "-O0")
-    assert "stands still at 0.007 s, with ping, pong running; at work: " in said
-    assert re.search(r"Main\.(ping \(last waited at stands.csp:1\)|pong \(last waited at stands.csp:5\))", said)
+    reported, ended = _stopped_at_standstill(SPINS, tmp_path, "--target", "c", "-O0")
+    assert "stands still at 0.007 s, with ping, pong running; at work: " in reported
+    assert re.search(r"Main\.(ping \(last waited at stands.csp:1\)|pong \(last waited at stands.csp:5\))", reported)
     assert "stopped by SIGINT at 7 ms" in ended
     assert re.search(r"simulated 7 ms in [1-9][0-9.]* s", ended)
 
@@ -167,10 +167,10 @@ def test_what_was_written_before_time_stood_still_is_in_trace_and_recording(
     """
     trace, recording = tmp_path / "run.jsonl", tmp_path / "run.csv"
     outputs = ("--trace", str(trace), "--record", str(recording))
-    said, _ = _stopped_when_it_stands(COUNTS.replace("SPIN", spin), tmp_path, *options, *outputs)
+    reported, _ = _stopped_at_standstill(COUNTS.replace("SPIN", spin), tmp_path, *options, *outputs)
     # A delay that ends immediately is not a place where it has waited.
     line = 8 if "after" in spin else 9
-    assert re.findall(r"stands\.csp:\d+", said) == [f"stands.csp:{line}"]
+    assert re.findall(r"stands\.csp:\d+", reported) == [f"stands.csp:{line}"]
     communications = [json.loads(line) for line in trace.read_text().splitlines()]
     assert [(entry["t"], entry["channel"], entry["value"]) for entry in communications if "channel" in entry] == [
         (0, "Main.r", 0), (1_000_000, "Main.r", 1), (2_000_000, "Main.r", 2)
@@ -192,6 +192,6 @@ environment Bench for Main { }
 
 
 def test_a_native_process_that_is_stopped_in_a_step_has_not_ended(tmp_path: Path) -> None:
-    said, ended = _stopped_when_it_stands(INSIDE, tmp_path, "--target", "c")
-    assert "with spinner running" in said
+    reported, ended = _stopped_at_standstill(INSIDE, tmp_path, "--target", "c")
+    assert "with spinner running" in reported
     assert "  spinner: spinner running\n" in ended

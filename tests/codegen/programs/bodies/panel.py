@@ -9,12 +9,12 @@ class Panel:
     def __init__(self, *, name: str, rate: int) -> None:
         self.name = name
         self.rate = rate
-        self.looks = 0
+        self.reads = 0
         self.written: list[tuple[str, float]] = []
 
     def read(self, port: str) -> int:
-        self.looks += 1
-        return self.looks // self.rate
+        self.reads += 1
+        return self.reads // self.rate
 
     def write(self, port: str, value: float) -> None:
         self.written.append((port, value))

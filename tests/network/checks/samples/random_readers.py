@@ -73,7 +73,7 @@ class _Reader:
         if kind < 0.8:
             return If(self.condition(), self.part(depth - 1), self.part(depth - 1) if self.rng.random() < 0.5 else None)
         if kind < 0.88:
-            return Interrupt(self.body(depth - 1), Guarded(self.guard_beside(), self.part(depth - 1)))
+            return Interrupt(self.body(depth - 1), Guarded(self.event_guard(), self.part(depth - 1)))
         if kind < 0.93:
             raising = Seq((self.part(depth - 1), Raise(RAISED)))
             inner: Comp = raising if self.rng.random() < 0.5 else If(self.condition(), raising)
@@ -103,7 +103,7 @@ class _Reader:
             return Stop()
         return self.part(depth)
 
-    def guard_beside(self) -> Event:
+    def event_guard(self) -> Event:
         kind = self.rng.random()
         if kind < 0.15:
             return self.sample()

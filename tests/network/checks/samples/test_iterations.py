@@ -59,17 +59,17 @@ def _one_after_the_other(ways: Ways, others: Ways) -> Ways:
     return {(waits + more, reads + others_read) for waits, reads in ways for more, others_read in others}
 
 
-def is_so(found: SamplesMissed, ways: Ways) -> bool:
+def is_true(found: SamplesMissed, ways: Ways) -> bool:
     """Whether the report is true of the paths through the loop."""
-    said = found.waits // 1_000_000, found.reads
+    reported = found.waits // 1_000_000, found.reads
     idle = {way for way in ways if not way[1]}
     match found.extent:
         case "every turn":
-            return all(waits >= said[0] and reads == said[1] for waits, reads in ways)
+            return all(waits >= reported[0] and reads == reported[1] for waits, reads in ways)
         case "some turn":
-            return said in ways and any(waits < said[0] or reads != said[1] for waits, reads in ways)
+            return reported in ways and any(waits < reported[0] or reads != reported[1] for waits, reads in ways)
         case "two turns":
-            return said in _one_after_the_other(ways - idle, idle)
+            return reported in _one_after_the_other(ways - idle, idle)
         case _:
             return not found.turns
 
@@ -88,7 +88,7 @@ def hunt(seeds: range) -> tuple[Counter[str], list[int]]:
         for found in checked.report.diagnostics:
             if isinstance(found, SamplesMissed):
                 counts[found.extent] += 1
-                wrong += [] if is_so(found, ways) else [seed]
+                wrong += [] if is_true(found, ways) else [seed]
     return counts, wrong
 
 

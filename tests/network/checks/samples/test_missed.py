@@ -70,27 +70,27 @@ def missed(seed: int) -> tuple[bool, bool] | None:
     if built.network is None:
         return None
     found = [item for item in built.checked.report.diagnostics if isinstance(item, SamplesMissed)]
-    is_said = any(item.is_certain and item.waits > item.reads * item.period for item in found)
+    is_reported = any(item.is_certain and item.waits > item.reads * item.period for item in found)
     files = pipeline.generate(built.network, read_source, level=1)
     run = execute.simulate(built.network, files, until=1_000_000_000)
-    return is_said, isinstance(run.outcome.error, Timeout)
+    return is_reported, isinstance(run.outcome.error, Timeout)
 
 
 def hunt(seeds: range) -> tuple[int, int, list[int]]:
     """How many programs were reported to miss samples, how many did in all, and the seeds of the false reports."""
     answers = {seed: answer for seed in seeds if (answer := missed(seed)) is not None}
-    wrong = [seed for seed, (is_said, is_so) in answers.items() if is_said and not is_so]
+    wrong = [seed for seed, (is_reported, is_missed) in answers.items() if is_reported and not is_missed]
     return (
         sum(missed_sample_warnings for missed_sample_warnings, _ in answers.values()),
-        sum(so for _, so in answers.values()),
+        sum(missed_runs for _, missed_runs in answers.values()),
         wrong,
     )
 
 
 def test_samples_reported_as_missed_are_missed() -> None:
-    missed_sample_warnings, so, wrong = hunt(range(60))
+    missed_sample_warnings, missed_runs, wrong = hunt(range(60))
     assert wrong == []
-    assert missed_sample_warnings > 0.8 * so > 20
+    assert missed_sample_warnings > 0.8 * missed_runs > 20
 
 
 FRAME = """exception Hot

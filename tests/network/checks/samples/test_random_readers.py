@@ -30,13 +30,13 @@ def warned(source: str) -> list[SamplesMissed] | None:
     return [item for item in found if not (item.turns and item.waits == item.reads * item.period)] or found[:0]
 
 
-def goes_by_values(program: Program) -> bool:
+def depends_on_values(program: Program) -> bool:
     """Whether a value decides which path is taken, perhaps twice."""
     tests = [getattr(part, name, None) for part in walk(program.body) for name in ("condition", "until", "when")]
     return any(isinstance(test, Bin) for test in tests)
 
 
-def goes_by_phases(program: Program) -> bool:
+def depends_on_phases(program: Program) -> bool:
     """Whether the age of a sample matters: to a time-out, or to a branch that is ready at once."""
     for part in walk(program.body):
         events = [part.guard.event] if isinstance(part, Interrupt) else []
@@ -57,12 +57,12 @@ def compare(seed: int) -> str:
     if not any(state.timeout for state in graph.states):
         if not graph.complete:
             return "open"
-        return "in time" if not found else "alarm by values" if goes_by_values(program) else "alarm"
+        return "in time" if not found else "alarm by values" if depends_on_values(program) else "alarm"
     if found:
         return "missed"
-    if goes_by_values(program):
+    if depends_on_values(program):
         return "silence by values"
-    if goes_by_phases(program):
+    if depends_on_phases(program):
         return "silence by phases"
     return "silence by events" if any(port.period is None for port in program.ports) else "silence"
 
