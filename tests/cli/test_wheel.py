@@ -115,7 +115,7 @@ def test_the_benchmarks_run_elsewhere(installed: Installed) -> None:
 def test_a_project_can_be_started_and_a_page_read(installed: Installed) -> None:
     assert installed("cspdiag", "new", "gimbal").returncode == 0
     assert installed("cspdiag", "check", "gimbal/gimbal.csp").returncode == 0
-    assert "Mended" in installed("cspdiag", "explain", "E0101").stdout
+    assert "Fixed" in installed("cspdiag", "explain", "E0101").stdout
 
 
 def test_a_strict_type_checker_knows_the_installed_package(installed: Installed, tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ process A {
 }
 ```
 
-Mended:
+Fixed:
 
 ```csp
 process A {
@@ -53,12 +53,12 @@ def test_a_page_is_read_from_markdown() -> None:
     assert page.meaning == "Two ends of an arrow differ."
     assert page.reason == "A value would change its meaning on the way."
     assert page.refused == "process A {\n  in x : int\n}\n"
-    assert page.mended == "process A {\n}\n"
+    assert page.fixed == "process A {\n}\n"
     assert page.text.startswith("E0316: ends differ\n\nTwo ends")
     assert f"# {page.code}: {page.title}\n\n{page.markdown}" == PAGE
 
 
-@pytest.mark.parametrize("lost", ["# ", "\n\nA value", "Refused:", "```csp", "Mended:", ": ends differ"])
+@pytest.mark.parametrize("lost", ["# ", "\n\nA value", "Refused:", "```csp", "Fixed:", ": ends differ"])
 def test_a_page_of_another_form_is_refused(lost: str) -> None:
     with pytest.raises(ValueError, match="not a manual page"):
         read_page(PAGE.replace(lost, ""))
@@ -82,7 +82,7 @@ def test_a_page_is_whole(kind: type[Diagnostic]) -> None:
     assert re.fullmatch(r"[EW]\d{4}", kind.code)
     assert kind.code[0] == kind.severity[0].upper()
     assert (page.code, page.title) == (kind.code, kind.title)
-    for part in (page.title, page.meaning, page.reason, page.refused, page.mended):
+    for part in (page.title, page.meaning, page.reason, page.refused, page.fixed):
         assert part.strip()
 
 
@@ -103,8 +103,8 @@ def test_the_refused_program_is_refused_for_that_reason_only(kind: type[Diagnost
 
 
 @by_code
-def test_the_mended_program_is_clean(kind: type[Diagnostic]) -> None:
-    found = found_in(manual_page(kind.code).mended, kind)
+def test_the_fixed_program_is_clean(kind: type[Diagnostic]) -> None:
+    found = found_in(manual_page(kind.code).fixed, kind)
     assert found == [], describe(found)
 
 

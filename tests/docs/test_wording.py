@@ -45,6 +45,7 @@ REFUSED = {
     "for what is no text": r"(?:for|of|from) what is no(?! longer)",
     "a path that there is not": r"that there (?:is|are) not",
     "no environment can be had": r"(?:can|cannot) be had",
+    "mend": r"mend(?:s|ed|ing)?",
     "one a line": r"(?:one|dots|row) a (?:line|pixel|process|page|code|state|file)",
 }
 """The pattern of each refused word, as the glossary lists them; ``_`` does not count as a letter, so names are
@@ -124,6 +125,7 @@ def test_names_of_tests_have_no_refused_words() -> None:
         "ArgumentError for a path that there is not",
         "if no environment can be had",
         "in dots a pixel",
+        "a mended program",
         "senders_not_come = 0",
         "What the name stands for.",
         "The order in which they come to be.",

@@ -61,7 +61,7 @@ def _result(diagnostic: Diagnostic, rule_index: int) -> dict[str, Any]:
 
 
 def _fix(diagnostic: Diagnostic) -> dict[str, Any]:
-    """The mend: its changes by file, in the order of their places."""
+    """The fix: its changes by file, in the order of their places."""
     changed: dict[str, list[dict[str, Any]]] = {}
     for edit in sorted(diagnostic.edits, key=lambda edit: edit.span.start):
         replacement = {"deletedRegion": _region(edit.span), "insertedContent": {"text": edit.replacement}}

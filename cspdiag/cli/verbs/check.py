@@ -33,14 +33,14 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Check every file and show the findings; a file that cannot be read does not prevent checking the others."""
-    mends = arguments.fix or arguments.diff
-    if mends:
-        from cspdiag.cli.support.mending import mend_files, require_free_output
+    fixes = arguments.fix or arguments.diff
+    if fixes:
+        from cspdiag.cli.support.fixing import fix_files, require_free_output
 
         require_free_output(arguments)
     sources, unreadable = _read(arguments.files)
-    if mends:
-        code = mend_files(sources, arguments)
+    if fixes:
+        code = fix_files(sources, arguments)
     else:
         found = Report()
         for source in sources:

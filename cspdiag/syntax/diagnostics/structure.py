@@ -156,7 +156,7 @@ class WrongPlace(Diagnostic):
 
     what: str
     rule: str
-    mend: Edit | None = None
+    fix: Edit | None = None
 
     @property
     def message(self) -> str:
@@ -168,4 +168,4 @@ class WrongPlace(Diagnostic):
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        return (self.mend,) if self.mend else ()
+        return (self.fix,) if self.fix else ()

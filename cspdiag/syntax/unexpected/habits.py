@@ -137,10 +137,8 @@ def ports_in_a_list(situation: Situation) -> Finding | None:
     line = text[text.rfind("\n", 0, direction) + 1 : direction]
     space = re.compile(r"\s*").match(text, situation.lexer.end)
     assert space is not None
-    mend = Edit(
-        Span(situation.source, situation.lexer.start, space.end()), f"\n{line if line.isspace() else ''}{word} "
-    )
-    return WrongPlace(situation.span, "`,`", rule, mend), Repair("replace", situation.terminal(word))
+    fix = Edit(Span(situation.source, situation.lexer.start, space.end()), f"\n{line if line.isspace() else ''}{word} ")
+    return WrongPlace(situation.span, "`,`", rule, fix), Repair("replace", situation.terminal(word))
 
 
 def call_of_a_library(situation: Situation) -> Finding | None:

@@ -57,8 +57,8 @@ def separator(situation: Situation) -> Finding | None:
     if situation.text == "," and situation.block() != "STRUCT":
         return None
     rule = "remove it: declarations need nothing between them"
-    mend = removing(situation.span)
-    return WrongPlace(situation.span, f"`{situation.text}`", rule, mend), Repair("remove")
+    fix = removing(situation.span)
+    return WrongPlace(situation.span, f"`{situation.text}`", rule, fix), Repair("remove")
 
 
 def missing_process(situation: Situation) -> Finding | None:

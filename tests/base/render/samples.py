@@ -17,7 +17,7 @@ class Sample(Diagnostic):
 
     text: str
     beside: str = ""
-    mend: str | None = None
+    fix: str | None = None
     places: tuple[Label, ...] = ()
 
     @property
@@ -30,7 +30,7 @@ class Sample(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        return self.mend
+        return self.fix
 
     @property
     def labels(self) -> tuple[Label, ...]:

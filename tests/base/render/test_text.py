@@ -166,7 +166,7 @@ def test_the_summary_counts() -> None:
 
 def test_colour_changes_nothing_but_colour() -> None:
     labels = (Label(at(ARM, "process"), "here"),)
-    diagnostics = [Sample(at(ARM, ARM.text[12:-1]), "block", "all", "mend\nso", labels)]
+    diagnostics = [Sample(at(ARM, ARM.text[12:-1]), "block", "all", "fix\nso", labels)]
     coloured = render(diagnostics, colour=True)
     assert "\x1b[1;31m" in coloured
     assert re.sub(r"\x1b\[[0-9;]*m", "", coloured) == render(diagnostics)

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.support import mending
+from cspdiag.cli.support import fixing
 from tests.cli.conftest import BAD, GOOD, Command
 
 SLIP = GOOD.replace("given ? held", "given ? hedl")
-"""A program with one mistake, which has a mend."""
+"""A program with one mistake, which has a fix."""
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def test_what_is_left_is_shown_and_decides_the_exit_code(cspdiag: Command, slip:
     assert slip.read_text() == BAD
 
 
-def test_a_file_without_mends_is_not_written(cspdiag: Command, bad: Path, good: Path) -> None:
+def test_a_file_without_fixes_is_not_written(cspdiag: Command, bad: Path, good: Path) -> None:
     bad.write_bytes(BAD.replace("\n", "\r\n").encode())
     before = [(path.read_bytes(), path.stat().st_ino) for path in (bad, good)]
     assert cspdiag("check", "--fix", bad, good) == cspdiag("check", bad, good)
@@ -58,12 +58,12 @@ def test_the_difference_is_printed_and_nothing_written(cspdiag: Command, slip: P
     assert cspdiag("check", "--fix", "--diff", slip) == result
 
 
-def test_without_mends_there_is_no_difference(cspdiag: Command, good: Path, bad: Path) -> None:
+def test_without_fixes_there_is_no_difference(cspdiag: Command, good: Path, bad: Path) -> None:
     assert cspdiag("check", "--diff", good) == (0, "", "")
     assert cspdiag("check", "--diff", bad) == (1, "", "1 error is left that only you can fix\n")
 
 
-def test_imported_files_are_mended_too_and_the_library_is_not(cspdiag: Command, slip: Path) -> None:
+def test_imported_files_are_fixed_too_and_the_library_is_not(cspdiag: Command, slip: Path) -> None:
     main = slip.with_name("main.csp")
     slip.write_text(SLIP.replace("Relay", "Hands"))
     main.write_text(
@@ -78,7 +78,7 @@ def test_imported_files_are_mended_too_and_the_library_is_not(cspdiag: Command, 
     assert "relay.taken -> b" in main.read_text()
 
 
-def test_a_file_with_two_names_is_mended_once(cspdiag: Command, slip: Path) -> None:
+def test_a_file_with_two_names_is_fixed_once(cspdiag: Command, slip: Path) -> None:
     link = slip.with_name("link.csp")
     link.symlink_to(slip.name)
     result = cspdiag("check", "--fix", slip, link)
@@ -86,7 +86,7 @@ def test_a_file_with_two_names_is_mended_once(cspdiag: Command, slip: Path) -> N
     assert (slip.read_text(), link.is_symlink()) == (GOOD, True)
 
 
-def test_standard_input_is_printed_mended(cspdiag: Command) -> None:
+def test_standard_input_is_printed_fixed(cspdiag: Command) -> None:
     assert cspdiag("check", "--fix", "-", stdin=SLIP) == (
         0,
         GOOD,
@@ -142,13 +142,13 @@ def test_a_read_only_file_is_left_alone_and_so_are_the_others(cspdiag: Command, 
 def test_a_file_changed_meanwhile_is_not_overwritten(
     cspdiag: Command, slip: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def mend_slowly(*arguments: object) -> object:
+    def fix_slowly(*arguments: object) -> object:
         result = original(*arguments)
         slip.write_text(GOOD + "// another's\n")
         return result
 
-    original = mending.mend
-    monkeypatch.setattr(mending, "mend", mend_slowly)
+    original = fixing.fix
+    monkeypatch.setattr(fixing, "fix", fix_slowly)
     result = cspdiag("check", "--fix", slip)
     assert result.code == 2
     assert "was changed by another program meanwhile" in result.err
@@ -190,7 +190,7 @@ def test_only_files_are_replaced_by_output(cspdiag: Command, tmp_path: Path) -> 
     assert "not a file that could be replaced" in result.err
 
 
-def test_a_file_that_cannot_be_read_does_not_keep_others_from_being_mended(cspdiag: Command, slip: Path) -> None:
+def test_a_file_that_cannot_be_read_does_not_keep_others_from_being_fixed(cspdiag: Command, slip: Path) -> None:
     result = cspdiag("check", "--fix", slip.with_name("missing.csp"), slip)
     assert result.code == 2
     assert "missing.csp: no such file" in result.err
@@ -212,12 +212,12 @@ def test_machines_are_given_the_edits(cspdiag: Command, slip: Path, bad: Path) -
     assert change["replacements"] == [{"deletedRegion": place["region"], "insertedContent": {"text": "held"}}]
 
 
-def test_mended_diagnostics_are_not_reported_to_machines(cspdiag: Command, slip: Path) -> None:
+def test_fixed_diagnostics_are_not_reported_to_machines(cspdiag: Command, slip: Path) -> None:
     result = cspdiag("check", "--fix", "--format", "json", slip)
     assert (result.code, json.loads(result.out), result.err) == (0, [], f"fixed 1 in {slip}\n")
 
 
-def test_check_without_fix_mentions_mends(cspdiag: Command, slip: Path, bad: Path) -> None:
+def test_check_without_fix_mentions_fixes(cspdiag: Command, slip: Path, bad: Path) -> None:
     assert cspdiag("check", slip).err.endswith("\n1 error\n--fix corrects it, --diff shows how\n")
     assert cspdiag("check", slip, bad).err.endswith("\n2 errors\n--fix corrects 1 of them, --diff shows how\n")
     assert "--fix" not in cspdiag("check", bad).err

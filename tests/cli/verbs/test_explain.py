@@ -12,7 +12,7 @@ def test_a_page_shows_both_programs(cspdiag: Command) -> None:
     page = manual_pages()["E0101"]
     assert result.out == page.text
     assert "Refused:\n\n    " in result.out
-    assert "Mended:\n\n    " in result.out
+    assert "Fixed:\n\n    " in result.out
 
 
 def test_small_letters_are_accepted(cspdiag: Command) -> None:

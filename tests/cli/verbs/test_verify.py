@@ -33,8 +33,8 @@ def refuted(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def proved(tmp_path: Path) -> Path:
-    path = tmp_path / "mended.csp"
-    path.write_text(PAGE.mended)
+    path = tmp_path / "fixed.csp"
+    path.write_text(PAGE.fixed)
     return path
 
 

@@ -72,7 +72,7 @@ def nested(seed: int, *, inputs: bool = False, sampled: bool = False, timed: boo
     draft = _Draft(rng, inputs=inputs, sampled=sampled, timed=timed)
     bodies = [draft.branch(owner) for owner in range(rng.choice([1, 1, 1, 2, 2, 2, 3]))]
     body = Par(tuple(bodies), rng.random() < 0.2) if len(bodies) > 1 else bodies[0]
-    return draft.mended(body)
+    return draft.fixed(body)
 
 
 Other = Read | Write | Wait | Skip
@@ -237,7 +237,7 @@ class _Draft:
 
     # ---- adapted to the rules ----
 
-    def mended(self, body: Comp) -> Program:
+    def fixed(self, body: Comp) -> Program:
         """The program that the rules of the language allow, with the kinds of channels that their users need."""
         body = self._changed_where(body, _out_of_place, self._elsewhere)
         body = self._with_both_sides(body)

@@ -139,7 +139,7 @@ assert P deadlock free
 
 
 @pytest.mark.parametrize(
-    ("text", "mended", "difference"),
+    ("text", "fixed", "difference"),
     [
         (WRITES, ("o ! 2", "o ! 1"), "after 0 of 1 step, the trace has `2` at `o` in step 1, and the program `1`"),
         (COPIES, ("x % 1000", "x"), "after 1 of 2 steps, the trace has `0` at `o` in step 2, and the program `1000`"),
@@ -150,14 +150,14 @@ def test_a_program_with_other_values_does_not_do_what_the_trace_says(
     cspdiag: Command,  # noqa: F811
     tmp_path: Path,
     text: str,
-    mended: tuple[str, str],
+    fixed: tuple[str, str],
     difference: str,
 ) -> None:
     program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
     program.write_text(text)
     assert cspdiag("verify", program, "--trace-out", trace).code == 1
     assert cspdiag("run", program, "--replay", trace).code == 0
-    program.write_text(text.replace(*mended))
+    program.write_text(text.replace(*fixed))
     result = cspdiag("run", program, "--replay", trace)
     assert result.code == 1
     assert result.err.endswith(f"not replayed: {difference}\n")

@@ -1,4 +1,4 @@
-"""Applies the mends of diagnostics to a program and the files it imports, until no more are found."""
+"""Applies the fixes of diagnostics to a program and the files it imports, until no more are found."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 
 _MOST_ROUNDS = 100
-"""More than are needed: a mend seldom reveals another diagnostic that can be mended."""
+"""More than are needed: a fix seldom reveals another diagnostic that can be fixed."""
 
 _UNREADABLE = "E01"
 """The family of errors that keep a text from being read as a whole, so most checks are skipped."""
 
 
 @record
-class MendedFile:
-    """A file whose text has changed, and the number of its mends."""
+class FixedFile:
+    """A file whose text has changed, and the number of its fixes."""
 
     before: SourceFile
     text: str
@@ -31,10 +31,10 @@ class MendedFile:
 
 
 @record
-class Mended:
-    """The files that have changed, and the diagnostics that are left, none of which has a mend."""
+class Fixed:
+    """The files that have changed, and the diagnostics that are left, none of which has a fix."""
 
-    files: tuple[MendedFile, ...]
+    files: tuple[FixedFile, ...]
     left: tuple[Diagnostic, ...]
 
 
@@ -64,7 +64,7 @@ class _Files:
         key = self._identity(source.name)
         return key if self.texts.get(key) is source.text else None
 
-    def mends(self, found: Sequence[Diagnostic]) -> list[Diagnostic]:
+    def fixes(self, found: Sequence[Diagnostic]) -> list[Diagnostic]:
         """Those with edits in these files, none of which touches another."""
         chosen: dict[tuple[object, ...], Diagnostic] = {}
         for diagnostic in found:
@@ -85,10 +85,10 @@ class _Files:
         self.texts = {key: applied(text, edits.get(key, ())) for key, text in self.texts.items()}
 
 
-def mend(sources: Sequence[SourceFile], read: Reader, identity: Callable[[str], str]) -> Mended:
-    """Mend programs and the files that they import; bundled libraries stay as they are.
+def fix(sources: Sequence[SourceFile], read: Reader, identity: Callable[[str], str]) -> Fixed:
+    """Fix programs and the files that they import; bundled libraries stay as they are.
 
-    ``identity`` gives two names of one file the same key. A mend that leads to more errors than before is taken back:
+    ``identity`` gives two names of one file the same key. A fix that leads to more errors than before is taken back:
     something else was meant. A file that was formatted before is formatted afterwards.
     """
     files = _Files(read, identity)
@@ -98,7 +98,7 @@ def mend(sources: Sequence[SourceFile], read: Reader, identity: Callable[[str], 
     counts: Counter[str | None] = Counter()
     refused: set[tuple[str, str]] = set()
     for _ in range(_MOST_ROUNDS):
-        changes = files.mends([each for each in found if (each.code, each.message) not in refused])
+        changes = files.fixes([each for each in found if (each.code, each.message) not in refused])
         if not changes:
             break
         keys = [files.key(each.edits[0].span.source) for each in changes]
@@ -118,8 +118,8 @@ def mend(sources: Sequence[SourceFile], read: Reader, identity: Callable[[str], 
     changed = [key for key, source in files.before.items() if files.texts[key] != source.text]
     for key in changed:
         files.texts[key] = _in_style(files.before[key], files.texts[key])
-    return Mended(
-        files=tuple(MendedFile(files.before[key], files.texts[key], counts[key]) for key in changed),
+    return Fixed(
+        files=tuple(FixedFile(files.before[key], files.texts[key], counts[key]) for key in changed),
         left=tuple(_check(sources, files) if changed else found),
     )
 
@@ -139,7 +139,7 @@ def _check(sources: Sequence[SourceFile], files: _Files) -> list[Diagnostic]:
 
 
 def _in_style(before: SourceFile, text: str) -> str:
-    """The text after mends, formatted if it was formatted before, or if formatting changes only mended lines."""
+    """The text after fixes, formatted if it was formatted before, or if formatting changes only fixed lines."""
     formatted = _formatted(text)
     if formatted is None or _formatted(before.text) == before.text:
         return text if formatted is None else formatted

@@ -6,7 +6,7 @@ import pytest
 
 from cspdiag.base import Diagnostic, Report, SourceFile
 from cspdiag.base.manual import manual_page
-from cspdiag.mend import mend
+from cspdiag.fix import fix
 from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 from tests.docs.kinds_of_diagnostics import kinds_of_diagnostics
@@ -24,7 +24,7 @@ PLAIN = (
 )
 PORTS = "submodel Law {\n%s\n\n  y = x\n}\n"
 
-MENDS = [
+FIXES = [
     ("E0101", PLAIN.replace("process", "procss") % "taken ! n", PLAIN % "taken ! n"),
     ("E0101", PLAIN.replace("var", "vra") % "taken ! n", PLAIN % "taken ! n"),
     ("E0101", "process P {\n  composition {\n    skip\n  }\n}\n\nassert P deadlock-free\nassert P livelockfree\n",
@@ -57,7 +57,7 @@ MENDS = [
      "enum Mode { idle, busy }\n\nconst start = Mode.idle\n"),
     ("E0212", "struct Pose {\n  angle: double\n}\n\nconst start = Pose(agnle = 0)\n",
      "struct Pose {\n  angle: double\n}\n\nconst start = Pose(angle = 0)\n"),
-    ("E0215", manual_page("E0215").refused, manual_page("E0215").mended),
+    ("E0215", manual_page("E0215").refused, manual_page("E0215").fixed),
     ("E0303", TURN % "b", TURN % "convert(b, rad)"),
     ("E0304", LAW % "n * angle", LAW % "double(n) * angle"),
     ("E0305", TURN % "a + b", TURN % "a + convert(b, rad)"),
@@ -101,31 +101,31 @@ NOT_SURE = [
 """Programs without a fix, because several are possible, or the only one is not certain."""
 
 
-def mended(text: str) -> tuple[str, list[Diagnostic]]:
+def fixed(text: str) -> tuple[str, list[Diagnostic]]:
     """A program after its fixes, and the remaining diagnostics."""
 
     def read(path: str) -> SourceFile:
         raise FileNotFoundError(2, "no such file", path)
 
     source = SourceFile(name=MAIN, text=text)
-    result = mend([source], read, str)
+    result = fix([source], read, str)
     return (result.files[0].text if result.files else text), list(result.left)
 
 
-@pytest.mark.parametrize(("code", "before", "after"), MENDS, ids=[code for code, _, _ in MENDS])
-def test_a_mended_program_is_clean_and_in_the_standard_format(code: str, before: str, after: str) -> None:
+@pytest.mark.parametrize(("code", "before", "after"), FIXES, ids=[code for code, _, _ in FIXES])
+def test_a_fixed_program_is_clean_and_in_the_standard_format(code: str, before: str, after: str) -> None:
     assert code in {found.code for found in check_files({MAIN: before}).report.diagnostics}
-    text, left = mended(before)
+    text, left = fixed(before)
     assert left == [], describe(left)
     assert text == after
     assert format_tree(parse(SourceFile(name=MAIN, text=text), Report())) == text
 
 
-OF_TYPES = [(code, before) for code, before, _ in MENDS if code.startswith("E03")]
+OF_TYPES = [(code, before) for code, before, _ in FIXES if code.startswith("E03")]
 
 
 @pytest.mark.parametrize(("code", "before"), OF_TYPES, ids=[code for code, _ in OF_TYPES])
-def test_what_is_written_in_the_help_of_a_type_error_is_its_mend(code: str, before: str) -> None:
+def test_what_is_written_in_the_help_of_a_type_error_is_its_fix(code: str, before: str) -> None:
     found = [each for each in check_files({MAIN: before}).report.diagnostics if each.code == code and each.edits]
     assert found
     for each in found:
@@ -133,38 +133,38 @@ def test_what_is_written_in_the_help_of_a_type_error_is_its_mend(code: str, befo
         assert edit.replacement in (each.help or "")
 
 
-def test_every_kind_with_a_mend_is_shown() -> None:
-    with_mends = {kind.code for kind in KINDS if kind.edits is not Diagnostic.edits}
-    assert with_mends == {code for code, _, _ in MENDS}
+def test_every_kind_with_a_fix_is_shown() -> None:
+    with_fixes = {kind.code for kind in KINDS if kind.edits is not Diagnostic.edits}
+    assert with_fixes == {code for code, _, _ in FIXES}
 
 
 @pytest.mark.parametrize("text", NOT_SURE, ids=range(len(NOT_SURE)))
 def test_uncertain_corrections_are_not_applied(text: str) -> None:
     assert check_files({MAIN: text}).report.diagnostics
-    unchanged, left = mended(text)
+    unchanged, left = fixed(text)
     assert (unchanged, [found.edits for found in left]) == (text, [()] * len(left))
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.code)
-def test_the_refused_program_of_a_page_is_mended_whole_if_at_all(kind: type[Diagnostic]) -> None:
+def test_the_refused_program_of_a_page_is_fixed_whole_if_at_all(kind: type[Diagnostic]) -> None:
     page = manual_page(kind.code)
     found = check_files({MAIN: page.refused}).report.diagnostics
     if any(each.edits for each in found):
-        _, left = mended(page.refused)
+        _, left = fixed(page.refused)
         assert left == [], describe(left)
 
 
-def test_a_mend_that_uncovers_more_errors_is_undone() -> None:
+def test_a_fix_that_uncovers_more_errors_is_undone() -> None:
     law = "submodel Screen {\n  in  x : double\n  out y : double\n\n  y = x\n}\n\n"
     main = (
         "process Main {\n  communication {\n    pick : screen(base = 1)\n    pick.a -> pick.b\n  }\n\n"
         "  composition {\n    pick\n  }\n}\n"
     )
-    text, left = mended(law + main)
+    text, left = fixed(law + main)
     assert text == law + main
     assert [found.code for found in left] == ["E0204"]
 
 
-def test_mends_that_touch_are_applied_one_after_the_other() -> None:
-    assert mended(LAW % "n * n * angle") == (LAW % "double(n * n) * angle", [])
-    assert mended(LAW % "anlge² + anlge") == (LAW % "angle^2 + angle", [])
+def test_fixes_that_touch_are_applied_one_after_the_other() -> None:
+    assert fixed(LAW % "n * n * angle") == (LAW % "double(n * n) * angle", [])
+    assert fixed(LAW % "anlge² + anlge") == (LAW % "angle^2 + angle", [])

@@ -1,6 +1,6 @@
 """However a correct program is damaged, its fixes come to an end, leave nothing that has a fix, and make nothing worse.
 
-``python -m tests.robustness.test_mended_programs 5000`` tries 5000 programs.
+``python -m tests.robustness.test_fixed_programs 5000`` tries 5000 programs.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from random import Random
 
 from cspdiag.base import Diagnostic, SourceFile
 from cspdiag.base.sources import read_source
-from cspdiag.mend import mend
+from cspdiag.fix import fix
 from cspdiag.pipeline import check
 from tests.robustness.damage import damaged
 
@@ -48,11 +48,9 @@ def mistakes(seed: int) -> tuple[list[str], bool]:
     path, text = mistaken(seed)
     source = SourceFile(name=path, text=text)
     found = check(source, read_source).report.diagnostics
-    result = mend([source], read_source, str)
+    result = fix([source], read_source, str)
     if not any(each.edits for each in found):
-        return ["changed without a mend"] * (
-            len(result.files) + ([*map(str, result.left)] != [*map(str, found)])
-        ), False
+        return ["changed without a fix"] * (len(result.files) + ([*map(str, result.left)] != [*map(str, found)])), False
     return list(_mistakes(source, found, result.left, [file.text for file in result.files])), True
 
 
@@ -63,10 +61,10 @@ def _mistakes(
         if _count(prefix, left) > _count(prefix, before):
             yield f"more errors {prefix}: {[*map(str, left)]}"
     for text in texts:
-        mended = SourceFile(name=source.name, text=text)
-        if mend([mended], read_source, str).files:
-            yield "mended once more"
-        if [*map(str, check(mended, read_source).report.diagnostics)] != [*map(str, left)]:
+        fixed = SourceFile(name=source.name, text=text)
+        if fix([fixed], read_source, str).files:
+            yield "fixed once more"
+        if [*map(str, check(fixed, read_source).report.diagnostics)] != [*map(str, left)]:
             yield "something else is left than was said"
 
 
@@ -74,10 +72,10 @@ def _count(prefix: str, found: list[Diagnostic] | tuple[Diagnostic, ...]) -> int
     return sum(each.code.startswith(prefix) for each in found)
 
 
-def test_mends_of_damaged_programs_end_and_add_no_errors() -> None:
+def test_fixes_of_damaged_programs_end_and_add_no_errors() -> None:
     answers = {seed: mistakes(seed) for seed in range(PROGRAMS)}
     assert {seed: wrong for seed, (wrong, _) in answers.items() if wrong} == {}
-    assert sum(has_mends for _, has_mends in answers.values()) > PROGRAMS // 3
+    assert sum(has_fixes for _, has_fixes in answers.values()) > PROGRAMS // 3
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from cspdiag.cli.support.diagnostic_formats import show_findings
 from cspdiag.cli.support.difference import show_difference
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.support.terminal import say, write_out
-from cspdiag.mend import MendedFile, mend
+from cspdiag.fix import FixedFile, fix
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _FOR_PEOPLE = ("text", "concise")
@@ -38,32 +38,32 @@ def require_free_output(arguments: Namespace) -> None:
         )
 
 
-def mend_files(sources: Sequence[SourceFile], arguments: Namespace) -> int:
+def fix_files(sources: Sequence[SourceFile], arguments: Namespace) -> int:
     """Fix what can be fixed, or show how, and report the rest. The exit code reflects the rest, with ``--diff`` also
     differences.
     """
-    mended = mend(sources, read_source, _identity)
+    fixed = fix(sources, read_source, _identity)
     names = [source.name for source in sources]
     if arguments.diff:
-        for file in mended.files:
+        for file in fixed.files:
             show_difference(file.before, file.text, "fixed")
             say(f"would fix {file.count} in {_shown(file)}")
-        left = sum(found.severity == "error" for found in mended.left)
+        left = sum(found.severity == "error" for found in fixed.left)
         if left:
             say(f"{left} {'error is' if left == 1 else 'errors are'} left that only you can fix")
-        return UNSUCCESSFUL if mended.files or left else FINE
-    _write(mended.files)
+        return UNSUCCESSFUL if fixed.files or left else FINE
+    _write(fixed.files)
     if STANDARD_INPUT in names:
-        texts = {file.before.name: file.text for file in mended.files}
+        texts = {file.before.name: file.text for file in fixed.files}
         (read,) = (source for source in sources if source.name == STANDARD_INPUT)
         write_out(texts.get(STANDARD_INPUT, read.text))
-    for file in mended.files:
+    for file in fixed.files:
         say(f"fixed {file.count} in {_shown(file)}")
-    show_findings(mended.left, names, arguments)
-    return UNSUCCESSFUL if any(found.severity == "error" for found in mended.left) else FINE
+    show_findings(fixed.left, names, arguments)
+    return UNSUCCESSFUL if any(found.severity == "error" for found in fixed.left) else FINE
 
 
-def _shown(file: MendedFile) -> str:
+def _shown(file: FixedFile) -> str:
     return "standard input" if file.before.name == STANDARD_INPUT else on_one_line(file.before.name)
 
 
@@ -71,12 +71,12 @@ def _identity(name: str) -> str:
     return name if name == STANDARD_INPUT else os.path.realpath(name)
 
 
-def _write(files: Sequence[MendedFile]) -> None:
+def _write(files: Sequence[FixedFile]) -> None:
     """Write all files, or none if one of them cannot be written or has changed since it was read."""
     replace_files({file.before.name: _bytes(file) for file in files if file.before.name != STANDARD_INPUT})
 
 
-def _bytes(file: MendedFile) -> bytes:
+def _bytes(file: FixedFile) -> bytes:
     """The new contents of a file, with the byte order mark and the line ends that it had. Raises UsageError if it
     cannot be replaced, or has changed since it was read.
     """
