@@ -1,6 +1,6 @@
 """The values that a native program reports, kept as they come: rows of 32 bytes, as in ``csp_stream.h``.
 
-They become arrays or objects only when somebody looks at them.
+They become arrays or objects only when they are read.
 """
 
 from __future__ import annotations
