@@ -112,9 +112,17 @@ def fitting(kind: Type, value: Any) -> Any:
 
 
 def _outside(value: float, kind: Type, low: int, high: int) -> FaultError:
-    # A time is a whole number of nanoseconds.
-    name = "int" if isinstance(kind, TimeType) else str(kind)
-    return FaultError(f"{value} is outside {name} ({low} .. {high})")
+    value_text, low_text, high_text = (_shown(kind, number) for number in (value, low, high))
+    return FaultError(f"{value_text} is outside {kind} ({low_text} .. {high_text})")
+
+
+def _shown(kind: Type, value: float) -> str:
+    """A number, or a time in seconds with all its digits."""
+    if not isinstance(kind, TimeType):
+        return str(value)
+    seconds, nanoseconds = divmod(abs(int(value)), 10**9)
+    fraction = f".{nanoseconds:09}".rstrip("0") if nanoseconds else ""
+    return f"{'-' if value < 0 else ''}{seconds}{fraction} s"
 
 
 def _binary32(value: float) -> float:

@@ -75,5 +75,7 @@ def range_check(expression: Expression) -> str | None:
 
 
 def integer_name(type_: Type) -> str:
-    """``int64``, ``uint8``: the names of the functions of both runtimes that check a range."""
-    return f"{'' if type_.signed else 'u'}int{type_.bits}" if isinstance(type_, IntType) else "int64"
+    """``int64``, ``uint8``, ``duration``: the functions of the Python runtime that check a range; those of integers
+    have the same names in C.
+    """
+    return f"{'' if type_.signed else 'u'}int{type_.bits}" if isinstance(type_, IntType) else "duration"

@@ -53,6 +53,22 @@ uint8 = _integer_type("uint8", 0, 2**8 - 1)
 uint16 = _integer_type("uint16", 0, 2**16 - 1)
 uint32 = _integer_type("uint32", 0, 2**32 - 1)
 
+
+def duration(nanoseconds: float) -> int:
+    """A ``time``: reals are truncated toward zero. Raises Fault for one that 64 bits of nanoseconds cannot hold."""
+    if not -(2**63) <= nanoseconds < 2**63:
+        whole = _whole("time", nanoseconds)
+        raise Fault(f"{_in_seconds(whole)} is outside time ({_in_seconds(-(2**63))} .. {_in_seconds(2**63 - 1)})")
+    return int(nanoseconds)
+
+
+def _in_seconds(nanoseconds: int) -> str:
+    """All digits: ``-1.5 s``."""
+    whole, rest = divmod(abs(nanoseconds), 10**9)
+    fraction = f".{rest:09}".rstrip("0") if rest else ""
+    return f"{'-' if nanoseconds < 0 else ''}{whole}{fraction} s"
+
+
 _SINGLE = struct.Struct("<f")
 
 

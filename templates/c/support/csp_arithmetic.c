@@ -18,6 +18,11 @@ static csp_operands pair(int64_t left, int64_t right)
     return (csp_operands){{left, right, 0}, 0.0, NULL};
 }
 
+static csp_operands times(int64_t left, int64_t right)
+{
+    return (csp_operands){{left, right, 0}, 0.0, "time"};
+}
+
 bool csp_fault_at(const char *place)
 {
     if (csp_fault.place == NULL) {
@@ -54,19 +59,47 @@ int64_t csp_division_fails(int64_t left, int64_t right)
     return 0;
 }
 
-int64_t csp_multiply(int64_t left, int64_t right)
+static inline bool product_fits(int64_t left, int64_t right)
 {
     const bool small = (left >= INT32_MIN) && (left <= INT32_MAX) && (right >= INT32_MIN) && (right <= INT32_MAX);
     if (small || (left == 0) || (right == 0)) {
-        return left * right;
+        return true;
     }
-    bool fits;
     if (left > 0) {
-        fits = (right > 0) ? (left <= INT64_MAX / right) : (right >= INT64_MIN / left);
-    } else {
-        fits = (right > 0) ? (left >= INT64_MIN / right) : (right >= INT64_MAX / left);
+        return (right > 0) ? (left <= INT64_MAX / right) : (right >= INT64_MIN / left);
     }
-    return fits ? left * right : csp_multiply_fails(left, right);
+    return (right > 0) ? (left >= INT64_MIN / right) : (right >= INT64_MAX / left);
+}
+
+int64_t csp_multiply(int64_t left, int64_t right)
+{
+    return product_fits(left, right) ? left * right : csp_multiply_fails(left, right);
+}
+
+int64_t csp_time_add_fails(int64_t left, int64_t right)
+{
+    note(csp_describe_sum, times(left, right));
+    return 0;
+}
+
+int64_t csp_time_subtract_fails(int64_t left, int64_t right)
+{
+    note(csp_describe_difference, times(left, right));
+    return 0;
+}
+
+int64_t csp_time_division_fails(int64_t left, int64_t right)
+{
+    return (right == 0) ? csp_division_fails(left, right) : csp_time_subtract_fails(0, left);
+}
+
+int64_t csp_time_multiply(int64_t left, int64_t right)
+{
+    if (!product_fits(left, right)) {
+        note(csp_describe_product, times(left, right));
+        return 0;
+    }
+    return left * right;
 }
 
 int64_t csp_power(int64_t base, int64_t exponent)

@@ -88,16 +88,29 @@ int64_t csp_subtract_fails(int64_t left, int64_t right);
 int64_t csp_multiply_fails(int64_t left, int64_t right);
 int64_t csp_division_fails(int64_t left, int64_t right);
 
+static inline bool csp_sum_fits(int64_t left, int64_t right)
+{
+    return (right >= 0) ? (left <= INT64_MAX - right) : (left >= INT64_MIN - right);
+}
+
+static inline bool csp_difference_fits(int64_t left, int64_t right)
+{
+    return (right >= 0) ? (left >= INT64_MIN + right) : (left <= INT64_MAX + right);
+}
+
+static inline bool csp_quotient_fits(int64_t dividend, int64_t divisor)
+{
+    return (divisor != 0) && ((divisor != -1) || (dividend != INT64_MIN));
+}
+
 static inline int64_t csp_add(int64_t left, int64_t right)
 {
-    const bool fits = (right >= 0) ? (left <= INT64_MAX - right) : (left >= INT64_MIN - right);
-    return fits ? left + right : csp_add_fails(left, right);
+    return csp_sum_fits(left, right) ? left + right : csp_add_fails(left, right);
 }
 
 static inline int64_t csp_subtract(int64_t left, int64_t right)
 {
-    const bool fits = (right >= 0) ? (left >= INT64_MIN + right) : (left <= INT64_MAX + right);
-    return fits ? left - right : csp_subtract_fails(left, right);
+    return csp_difference_fits(left, right) ? left - right : csp_subtract_fails(left, right);
 }
 
 int64_t csp_multiply(int64_t left, int64_t right);
@@ -115,8 +128,7 @@ static inline int64_t csp_absolute(int64_t operand)
 /* Truncates toward zero. */
 static inline int64_t csp_quotient(int64_t dividend, int64_t divisor)
 {
-    const bool fits = (divisor != 0) && ((divisor != -1) || (dividend != INT64_MIN));
-    return fits ? dividend / divisor : csp_division_fails(dividend, divisor);
+    return csp_quotient_fits(dividend, divisor) ? dividend / divisor : csp_division_fails(dividend, divisor);
 }
 
 /* Has the sign of the dividend. */
@@ -129,6 +141,41 @@ static inline int64_t csp_remainder(int64_t dividend, int64_t divisor)
 }
 
 int64_t csp_power(int64_t base, int64_t exponent);
+
+/* ---- The same for times, whose messages give them in seconds ---- */
+
+int64_t csp_time_add_fails(int64_t left, int64_t right);
+int64_t csp_time_subtract_fails(int64_t left, int64_t right);
+int64_t csp_time_division_fails(int64_t left, int64_t right);
+
+static inline int64_t csp_time_add(int64_t left, int64_t right)
+{
+    return csp_sum_fits(left, right) ? left + right : csp_time_add_fails(left, right);
+}
+
+static inline int64_t csp_time_subtract(int64_t left, int64_t right)
+{
+    return csp_difference_fits(left, right) ? left - right : csp_time_subtract_fails(left, right);
+}
+
+int64_t csp_time_multiply(int64_t left, int64_t right);
+
+static inline int64_t csp_time_negate(int64_t operand)
+{
+    return (operand != INT64_MIN) ? -operand : csp_time_subtract_fails(0, operand);
+}
+
+static inline int64_t csp_time_absolute(int64_t operand)
+{
+    return (operand < 0) ? csp_time_negate(operand) : operand;
+}
+
+static inline int64_t csp_time_quotient(int64_t dividend, int64_t divisor)
+{
+    return csp_quotient_fits(dividend, divisor) ? dividend / divisor : csp_time_division_fails(dividend, divisor);
+}
+
+/* ---- Integers and times ---- */
 
 static inline int64_t csp_min_int(int64_t left, int64_t right)
 {

@@ -109,15 +109,42 @@ static void multiply(number *result, int64_t factor)
     result->negative = result->negative != (factor < 0);
 }
 
-static void say_outside_int(char *text, size_t size, const number *value)
+/* Decimal digits of the limbs from `lowest` on. */
+static void say_limbs(char *text, size_t size, const number *value, size_t lowest)
+{
+    for (size_t position = value->count; position > lowest; position--) {
+        csp_append_digits(text, size, value->limbs[position - 1U], (position == value->count) ? 1 : 9);
+    }
+}
+
+/* Nanoseconds in seconds: they are the lowest limb, and no time that is out of range is shorter than a second. */
+static void say_outside_time(char *text, size_t size, const number *value)
+{
+    say_limbs(text, size, value, 1);
+    uint32_t fraction = value->limbs[0];
+    int digits = 9;
+    while ((digits > 0) && ((fraction % 10U) == 0U)) {
+        fraction /= 10U;
+        digits--;
+    }
+    if (digits > 0) {
+        csp_append(text, size, ".");
+        csp_append_digits(text, size, fraction, digits);
+    }
+    csp_append(text, size, " s is outside time (-9223372036.854775808 s .. 9223372036.854775807 s)");
+}
+
+static void say_outside(char *text, size_t size, const number *value, const csp_operands *operands)
 {
     text[0] = '\0';
     csp_append(text, size, value->negative ? "-" : "");
-    for (size_t position = value->count; position > 0U; position--) {
-        csp_append_digits(text, size, value->limbs[position - 1U], (position == value->count) ? 1 : 9);
+    if (operands->name != NULL) {
+        say_outside_time(text, size, value);
+    } else {
+        say_limbs(text, size, value, 0);
+        csp_append(text, size, " is outside int");
+        say_range(text, size, INT64_MIN, INT64_MAX);
     }
-    csp_append(text, size, " is outside int");
-    say_range(text, size, INT64_MIN, INT64_MAX);
 }
 
 void csp_describe_sum(const csp_operands *operands, char *text, size_t size)
@@ -125,7 +152,7 @@ void csp_describe_sum(const csp_operands *operands, char *text, size_t size)
     number result;
     set(&result, operands->integers[0]);
     add(&result, magnitude(operands->integers[1]));
-    say_outside_int(text, size, &result);
+    say_outside(text, size, &result, operands);
 }
 
 void csp_describe_difference(const csp_operands *operands, char *text, size_t size)
@@ -133,7 +160,7 @@ void csp_describe_difference(const csp_operands *operands, char *text, size_t si
     number result;
     set(&result, operands->integers[0]);
     add(&result, magnitude(operands->integers[1]));
-    say_outside_int(text, size, &result);
+    say_outside(text, size, &result, operands);
 }
 
 void csp_describe_product(const csp_operands *operands, char *text, size_t size)
@@ -141,7 +168,7 @@ void csp_describe_product(const csp_operands *operands, char *text, size_t size)
     number result;
     set(&result, operands->integers[0]);
     multiply(&result, operands->integers[1]);
-    say_outside_int(text, size, &result);
+    say_outside(text, size, &result, operands);
 }
 
 void csp_describe_power_value(const csp_operands *operands, char *text, size_t size)
@@ -151,7 +178,7 @@ void csp_describe_power_value(const csp_operands *operands, char *text, size_t s
     for (int64_t count = 0; count < operands->integers[1]; count++) {
         multiply(&result, operands->integers[0]);
     }
-    say_outside_int(text, size, &result);
+    say_outside(text, size, &result, operands);
 }
 
 void csp_describe_power(const csp_operands *operands, char *text, size_t size)

@@ -24,6 +24,20 @@ FAULTS = {
     "int(sqrt(-x))": "a real value is infinite or not a number",
     "int(x / double(zero))": "division by zero",
 }
+LIMITS = "is outside time (-9223372036.854775808 s .. 9223372036.854775807 s)"
+TIMES = {
+    "late + late": f"18000000000 s {LIMITS}",
+    "soon - late - late": f"-17999999999.999 s {LIMITS}",
+    "late * n": f"27000000000000000000 s {LIMITS}",
+    "n * late": f"27000000000000000000 s {LIMITS}",
+    "-first": f"9223372036.854775808 s {LIMITS}",
+    "abs(first)": f"9223372036.854775808 s {LIMITS}",
+    "first / (zero - 1)": f"9223372036.854775808 s {LIMITS}",
+    "now + late + late": f"18000000000 s {LIMITS}",
+    "min(late + late, soon)": f"18000000000 s {LIMITS}",
+    "late / zero": "division by zero",
+    "late % (soon - soon)": "division by zero",
+}
 PROGRAM = """process Main {
   out y : int
 
@@ -35,11 +49,16 @@ PROGRAM = """process Main {
     var x      : double = 200.75
     var tiny   : double = 1e-30
     var table  : int[2] = [1, 2]
+    var late   : time = 9000000000 s
+    var soon   : time = 1 ms
+    var first  : time = -9223372036854775807 ns
+    var kept   : time = 0 s
   }
 
   composition {
     narrow := narrow ; low := low ; n := n ; zero := zero ; x := x ; tiny := tiny ; table[0] := 1 ;
-    y ! int(%s)
+    late := late ; soon := soon ; first := first - 1 ns ; kept := kept ;
+    %s
   }
 }
 
@@ -50,24 +69,26 @@ environment Bench for Main {
 
 
 def text_of(expression: str, **how: object) -> str:
-    run = cspdiag.parse(PROGRAM % expression, "case.csp").run(**how)  # type: ignore[arg-type]
+    statement = f"kept := {expression}" if expression in TIMES else f"y ! int({expression})"
+    run = cspdiag.parse(PROGRAM % statement, "case.csp").run(**how)  # type: ignore[arg-type]
     assert run.outcome.error is not None
     return run.summary().splitlines()[0]
 
 
-@pytest.mark.parametrize(("expression", "reported"), FAULTS.items(), ids=FAULTS)
+@pytest.mark.parametrize(("expression", "reported"), (FAULTS | TIMES).items(), ids=FAULTS | TIMES)
 def test_a_fault_says_the_same_in_python_and_on_the_meaning_of_the_language(expression: str, reported: str) -> None:
     texts = {text_of(expression, level=level) for level in (0, 1, "reference")}
     assert len(texts) == 1
     (text,) = texts
     assert reported in text
-    assert text.endswith("in Main (case.csp:16)")
+    assert text.endswith("in Main (case.csp:21)")
 
 
-@pytest.mark.parametrize("expression", ["narrow + narrow", "int8(x)", "n ^ 64", "table[n]"])
+@pytest.mark.parametrize("expression", ["narrow + narrow", "int8(x)", "n ^ 64", "table[n]", *TIMES])
 def test_a_fault_says_the_same_in_c(expression: str) -> None:
     try:
         find_compiler()
     except CompilerError as problem:
         pytest.skip(str(problem))
-    assert text_of(expression, target="c") == text_of(expression, level="reference")
+    texts = {text_of(expression, target="c", level=level) for level in (0, 1)}
+    assert texts == {text_of(expression, level="reference")}

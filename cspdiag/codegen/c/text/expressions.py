@@ -44,7 +44,7 @@ from cspdiag.codegen.shared.operations import (
     range_check,
     truth_of,
 )
-from cspdiag.model.types import ArrayType, BoolType, IntType, RealType, StructType, TimeType
+from cspdiag.model.types import ArrayType, BoolType, IntType, RealType, StructType, TimeType, Type
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -72,6 +72,11 @@ from cspdiag.network.ir.ranges import needs_check
 _LOGIC = {"and": ("&&", AND), "or": ("||", OR)}
 _ARITHMETIC = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "%": PRODUCT}
 _CHECKED = {"+": "csp_add", "-": "csp_subtract", "*": "csp_multiply", "/": "csp_quotient", "%": "csp_remainder"}
+_OF_TIMES = {
+    name: name.replace("csp_", "csp_time_")
+    for name in ("csp_add", "csp_subtract", "csp_multiply", "csp_quotient", "csp_negate", "csp_absolute")
+}
+"""The same operations, with faults that speak of times."""
 _REAL_FUNCTIONS = {
     "abs": "fabs", "sqrt": "sqrt", "floor": "floor", "ceil": "ceil", "round": "round", "exp": "csp_exp",
     "log": "csp_log",
@@ -148,7 +153,7 @@ class Printer(Evaluator):
         if isinstance(expression.type, RealType):
             return minus(code)
         if is_int64(expression.type):
-            return call("csp_negate", code) if needs_check(expression) else minus(code)
+            return call(_checked("csp_negate", expression.type), code) if needs_check(expression) else minus(code)
         return self._narrow(expression, minus(widened(code, expression.operand.type)))
 
     def _operation(self, expression: BinaryOperation) -> Code:
@@ -188,7 +193,7 @@ class Printer(Evaluator):
             return self._narrow(expression, call("csp_power", left, right))
         by_zero = operator in "/%" and divisor_may_be_zero(expression)
         if is_int64(expression.type) and (by_zero or needs_check(expression) or is_undefined_in_c(expression)):
-            return call(_CHECKED[operator], left, right)
+            return call(_checked(_CHECKED[operator], expression.type), left, right)
         if by_zero:
             return self._narrow(expression, call(_CHECKED[operator], left, right))
         if is_int64(expression.type):
@@ -274,7 +279,7 @@ class Printer(Evaluator):
             code = folded(name, codes) if function in ("min", "max") else call(name, *codes)
             return cast("float", code) if expression.type.bits == 32 else code
         if function == "abs":
-            return self._narrow(expression, call("csp_absolute", codes[0]))
+            return self._narrow(expression, call(_checked("csp_absolute", expression.type), codes[0]))
         name = _WHOLE_FUNCTIONS[function]
         code = folded(name, codes) if function in ("min", "max") else call(name, *codes)
         return code if is_int64(expression.type) else cast(self.types.type_name(expression.type), code)
@@ -303,3 +308,8 @@ class Printer(Evaluator):
         if not index_fits(expression):
             index = call("csp_index", index, str(expression.operand.type.size))
         return Element(operand.field("at"), index)
+
+
+def _checked(function: str, type_: Type) -> str:
+    """The function for an operation of 64 bits whose result is checked."""
+    return _OF_TIMES.get(function, function) if isinstance(type_, TimeType) else function

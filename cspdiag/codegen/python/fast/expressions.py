@@ -192,7 +192,7 @@ class FastPrinter(Printer):
             inside = infix(">=", COMPARISON, first, low)
         else:
             inside = infix("<=", COMPARISON, first, high)
-        return Conditional(again, inside, call(self.imports.runtime(integer_name(word)), again))
+        return Conditional(again, inside, call(self.imports.runtime(integer_name(type_)), again))
 
     def _operation(self, expression: BinaryOperation) -> Code:
         right = self.value(expression.right)
@@ -247,7 +247,7 @@ class FastPrinter(Printer):
                 low, high = value_range(operand)
                 exceeded = low < word.minimum, high > word.maximum
                 code = self.print(operand)
-                return self._in_range(code, word, exceeded) if any(exceeded) else code
+                return self._in_range(code, type_, exceeded) if any(exceeded) else code
             case _:  # The others are as in readable Python.
                 return super()._conversion(type_, operand)
 

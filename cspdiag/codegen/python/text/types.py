@@ -93,7 +93,7 @@ def accepted(type_: Type, imports: Imports) -> Code:
         case IntType():
             return call(runtime("integer"), runtime(f"{'' if type_.signed else 'u'}int{type_.bits}"))
         case TimeType():
-            return call(runtime("integer"), runtime("int64"))
+            return call(runtime("integer"), runtime("duration"))
         case RealType():
             return runtime("single" if type_.bits == 32 else "double")
         case TextType():
