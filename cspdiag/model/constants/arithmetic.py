@@ -11,6 +11,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import assert_never
 
+from cspdiag.model.constants.durations import in_seconds
 from cspdiag.model.types import (
     INT,
     ArrayType,
@@ -44,7 +45,7 @@ def checked(value: float, type_: Type) -> int | float:
         case IntType() | TimeType():
             limits = type_ if isinstance(type_, IntType) else INT
             if not limits.minimum <= value <= limits.maximum:
-                raise OutOfRangeError(str(value) if abs(value) < 10**40 else f"about {float(str(value)[:20]):.3g}e…")
+                raise OutOfRangeError(_shown(value, type_))
             return int(value)
         case RealType():
             value = float(value)
@@ -59,6 +60,13 @@ def checked(value: float, type_: Type) -> int | float:
             return value
         case _:
             assert_never(type_)
+
+
+def _shown(value: float, type_: IntType | TimeType) -> str:
+    """A number that is out of range."""
+    if abs(value) >= 10**40:
+        return f"about {float(str(value)[:20]):.3g}e…"
+    return in_seconds(int(value)) if isinstance(type_, TimeType) else str(value)
 
 
 def single(value: float) -> float:

@@ -13,6 +13,13 @@ def duration(nanoseconds: int) -> str:
     return f"{nanoseconds} ns"
 
 
+def in_seconds(nanoseconds: int) -> str:
+    """A duration in seconds with all its digits, as faults give those that are out of range: ``18000000000.5 s``."""
+    whole, rest = divmod(abs(nanoseconds), 1_000_000_000)
+    fraction = f".{rest:09}".rstrip("0") if rest else ""
+    return f"{'-' if nanoseconds < 0 else ''}{whole}{fraction} s"
+
+
 def rounded(nanoseconds: float, rounding: str = ROUND_HALF_EVEN) -> str:
     """A duration with four digits: ``1.25 ms``; ``rounding`` is one of those of ``decimal``."""
     value = Decimal(nanoseconds)
