@@ -1,7 +1,7 @@
 """JIWY recorded against JIWY not recorded, one after the other: ``recording.py recording-npz python``, or ``c``.
 
-A figure is how many times as long a run takes whose recording is written to a file, in the format that the name of the
-benchmark ends with. Neither compiling nor the import of numpy counts.
+A figure is how many times as long a run takes whose recording is written to a new file, in the format that the name of
+the benchmark ends with. Neither compiling nor the import of numpy counts.
 """
 
 from __future__ import annotations
@@ -34,13 +34,14 @@ Simulate = Callable[[bool], tuple[Run, float]]
 
 def in_python(network: CoreNetwork) -> Simulate:
     files = pipeline.generate(network, read_source, level=1, observed=True)
+    ports = {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
     def simulate(recorded: bool) -> tuple[Run, float]:
         began: list[float] = []
         run = execute.simulate(
             network,
             files,
-            recorder=Recorder(communications=recorded),
+            recorder=Recorder(communications=recorded, ports=ports if recorded else None),
             on_start=lambda _: began.append(time.perf_counter()),
         )
         return run, began[0]
@@ -76,8 +77,8 @@ def main(name: str, target: str) -> None:
     assert network is not None
     simulate = in_c(network) if target == "c" else in_python(network)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, f"recording.{name.rpartition('-')[2]}")
         for batch in range(BATCHES[target] + 1):
+            path = Path(folder, f"recording{batch}.{name.rpartition('-')[2]}")
             without, recorded = seconds(simulate, None), seconds(simulate, path)
             if batch:
                 report(recorded / without)

@@ -291,10 +291,13 @@ class _Run:
             sink = "" if reader is None or (process := reader.process) is None else process.name
             log.extend((scheduler.now, channel, value, source, sink))
 
-        if getattr(observer, "wants_communications", True):
-            self._scheduler.observe = observe if log is None else note
-            self._scheduler.sample_log = getattr(observer, "sample_log", None)
-        self._scheduler.watcher = observer
+        logs = getattr(observer, "port_logs", None)
+        if logs is not None:
+            scheduler.port_logs = logs
+        elif getattr(observer, "wants_communications", True):
+            scheduler.observe = observe if log is None else note
+            scheduler.sample_log = getattr(observer, "sample_log", None)
+        scheduler.watcher = observer
 
     def _take_over(self, instant: int | None) -> None:
         """Takes over what arrived from outside before ``instant``."""

@@ -14,6 +14,7 @@ from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
     from cspdiag.cli.support.runs.standstill import ObservedProgram
+    from cspdiag.model.types import Type
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Built
     from cspdiag.simulate.record.recorder import Recorder
@@ -176,7 +177,9 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
     from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
 
     outputs = (arguments.record, arguments.trace, arguments.plot)
-    recorder = Recorder(communications=any(path is not None for path in outputs))
+    recorder = Recorder(
+        communications=any(path is not None for path in outputs), ports=_recorded_ports(arguments, network)
+    )
     endless = EndlessRun(network) if until is None and not arguments.quiet else None
     if arguments.level == "reference":
         with endless or nullcontext():
@@ -204,6 +207,15 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
         raise UsageError(str(problem)) from None
     except (BodyError, CompilerError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
+
+
+def _recorded_ports(arguments: Namespace, network: CoreNetwork) -> dict[str, Type] | None:
+    """The external ports, if nothing but their recording is wanted of a run of generated code."""
+    if arguments.record is None or arguments.trace is not None or arguments.plot is not None:
+        return None
+    if arguments.level == "reference":
+        return None
+    return {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
 def _simulate_on_reference(arguments: Namespace, network: CoreNetwork, until: int | None, recorder: Recorder) -> Run:

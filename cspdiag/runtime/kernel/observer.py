@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 
@@ -24,6 +25,11 @@ class Observer:
     sample_log: list[Any] | None = None
     """If this is a list, the time, the port and the value of every sample of a sampled input are added to it, whether
     read or not.
+    """
+
+    port_logs: Mapping[str, tuple[Any, Any]] | None = None
+    """If this is a mapping, only what external ports show is noted, which is faster still: the instants and the values
+    are added to the two sequences of each port. Those of a sampled input are its samples, read or not.
     """
 
     def process_started(self, time: int, path: str, class_name: str) -> None:

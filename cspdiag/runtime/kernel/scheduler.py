@@ -16,7 +16,7 @@ Invariants:
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Coroutine, Generator, Iterable, Iterator
+from collections.abc import Callable, Coroutine, Generator, Iterable, Iterator, Mapping
 from contextvars import ContextVar, Token
 from itertools import islice
 from typing import Any, Final, Protocol, TypeAlias
@@ -181,6 +181,7 @@ class Scheduler:
         "now",
         "observe",
         "policy",
+        "port_logs",
         "push",
         "queue",
         "ready",
@@ -203,11 +204,26 @@ class Scheduler:
         self.watcher: Watcher | None = None
         self.observe: Callable[[str, Any, Party | None, Party | None], None] | None = None
         self.sample_log: list[Any] | None = None
+        self.port_logs: Mapping[str, tuple[Any, Any]] = {}
+        """See ``Observer.port_logs``; empty if nothing is noted."""
         self.policy = policy
         self.push: Callable[[Any], None]
         self.ready: Callable[[Any], None]
         self.careful: bool
         self.forget_cancellation()
+
+    def port_log(self, port: str) -> tuple[Any, Any]:
+        """What adds to the instants and the values of an external port; two times None if they are not noted."""
+        log = self.port_logs.get(port)
+        return (None, None) if log is None else (log[0].append, log[1].append)
+
+    def note(self, port: str, value: Any) -> None:
+        """Notes what an external port shows now, if its values are noted."""
+        log = self.port_logs.get(port)
+        if log is not None:
+            times, values = log
+            times.append(self.now)
+            values.append(value)
 
     def __enter__(self) -> Scheduler:
         self._entered.append(_present.set(self))

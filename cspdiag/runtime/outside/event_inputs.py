@@ -43,6 +43,13 @@ class EventEnd(LatchedEnd[T]):
             reader.ready_queue.append(reader.entry)
         raise_bits(self.inputs)
 
+    def taken(self, reader: Party) -> T:
+        """See ``LatchedEnd.taken``."""
+        scheduler = present()
+        if scheduler.port_logs:
+            scheduler.note(self.name, self.value)
+        return super().taken(reader)
+
     def request(self, party: Party) -> bool:
         """See ``In.request``."""
         if self.fresh:

@@ -42,9 +42,11 @@ class _ExternalOutput(Out[T]):
     def _hand_over(self, value: T, writer: Party | None) -> None:
         if self.line is not None:
             self.line.write(value)
-        observe = present().observe
-        if observe is not None:
-            observe(self.name, value, writer, None)
+        scheduler = present()
+        if scheduler.port_logs:
+            scheduler.note(self.name, value)
+        if scheduler.observe is not None:
+            scheduler.observe(self.name, value, writer, None)
 
     def withdraw(self, party: Party) -> bool:
         """See ``Out.withdraw``: no party waits here."""
@@ -107,12 +109,16 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
     def _ticking(self, signal: Signal[T]) -> Callable[[], None]:
         """``tick`` in one step for a signal of an environment."""
         scheduler = present()
+        note_time, note_value = scheduler.port_log(self.name)
 
         def tick() -> None:
             if self.written:
                 self.written = False
                 signal.value = value = self.latched
-                if scheduler.observe is not None:
+                if note_time is not None:
+                    note_time(scheduler.now)
+                    note_value(value)
+                elif scheduler.observe is not None:
                     scheduler.observe(self.name, value, self.writer, None)
 
         return tick

@@ -262,11 +262,15 @@ class SampledInput(In[T]):
         """
         scheduler, name = present(), self.name
         log = scheduler.sample_log
+        note_time, note_value = scheduler.port_log(name)
 
         def sample() -> None:
             self.latest = value = signal.value
             self.sampled = True
-            if log is not None:
+            if note_time is not None:
+                note_time(scheduler.now)
+                note_value(value)
+            elif log is not None:
                 log.extend((scheduler.now, name, value))
             listening = self._listening
             for end in self._listening_ends() if listening is None else listening:
@@ -296,7 +300,9 @@ class SampledInput(In[T]):
         self.latest = value
         self.sampled = True
         scheduler = present(None)
-        if scheduler is not None and scheduler.sample_log is not None:
+        if scheduler is not None and scheduler.port_logs:
+            scheduler.note(self.name, value)
+        elif scheduler is not None and scheduler.sample_log is not None:
             scheduler.sample_log.extend((scheduler.now, self.name, value))
         for end in self._listening_ends():
             end.sample(value)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Mapping
-from enum import IntEnum
 from typing import TYPE_CHECKING
 
 from cspdiag.base.record import record
@@ -24,12 +23,13 @@ if TYPE_CHECKING:
 ROW = struct.Struct("=IIqIIQ")
 """Kind, number, time, writer, reader, value."""
 SIZE = ROW.size
+_SORTED_AT_ONCE = 1 << 20
 _VALUE = slice(24, 32)
 _PAYLOAD = slice(8, 32)
 
 
-class Kind(IntEnum):
-    """The kinds of rows."""
+class Kind:
+    """The kinds of rows, as plain numbers, with which numpy compares faster than with members of an enum."""
 
     CONTINUATION = 0
     CHANNEL = 1
@@ -74,6 +74,13 @@ def channel_of(name: str, type_: Type) -> Channel:
     return Channel(name, type_, layout(type_)[0], decoder(type_))
 
 
+def kinds_of(data: bytes) -> numpy.ndarray:
+    """The kind of each row."""
+    import numpy
+
+    return numpy.frombuffer(data, numpy.uint32)[:: SIZE // 4].astype(numpy.uint8)
+
+
 class PassedRows:
     """What a native program has passed; see ``Passed``.
 
@@ -88,21 +95,24 @@ class PassedRows:
         self._keeps_order = keeps_order
         self._rows: list[bytes] = []
         """Records in order, of which none is in two parts."""
+        self._unsorted = 0
+        """The position in ``_rows`` of the first that are not in the series, and how many bytes those have."""
+        self._size = 0
         self._series: dict[int, _Series] = {}
 
     def add(self, data: bytes) -> None:
         """Keep whole records."""
-        if self._keeps_order:
-            self._rows.append(data)
-        else:
-            self._sort(data)
+        self._rows.append(data)
+        self._size += len(data)
+        if self._size >= _SORTED_AT_ONCE and not self._keeps_order:
+            self._sort_rows()
 
     @property
     def communications(self) -> Iterator[tuple[int, str, object, str, str]]:
         """All communications in order, each as the fields of ``Communication``."""
         running: dict[str, None] = {}
         parties = Parties(self._network, running)
-        for data in self._rows:
+        for data in self._rows if self._keeps_order else []:
             for position in range(0, len(data), SIZE):
                 kind, number, time, writer, reader, _ = ROW.unpack_from(data, position)
                 if kind == Kind.COMMUNICATION:
@@ -118,7 +128,7 @@ class PassedRows:
     @property
     def samples(self) -> Iterator[tuple[int, str, object]]:
         """All samples in order: time in nanoseconds, port, value."""
-        for data in self._rows:
+        for data in self._rows if self._keeps_order else []:
             for position in range(0, len(data), SIZE):
                 kind, number, time, *_ = ROW.unpack_from(data, position)
                 if kind == Kind.SAMPLE:
@@ -127,22 +137,32 @@ class PassedRows:
 
     def histories(self, types: Mapping[str, Type]) -> Mapping[str, History]:
         """See ``Passed.histories``."""
-        if not self._series:
-            for data in self._rows:
-                self._sort(data)
+        self._sort_rows()
         return {self.channels[number].name: own.history() for number, own in self._series.items()}
+
+    def _sort_rows(self) -> None:
+        """Add the rows that are kept to the series, many at a time."""
+        begin, size = self._unsorted, 0
+        for position, data in enumerate(self._rows[begin:], begin + 1):
+            size += len(data)
+            if size >= _SORTED_AT_ONCE or position == len(self._rows):
+                self._sort(b"".join(self._rows[begin:position]))
+                begin, size = position, 0
+        if not self._keeps_order:
+            self._rows.clear()
+        self._unsorted, self._size = len(self._rows), 0
 
     def _sort(self, data: bytes) -> None:
         """Add records to the series of their channels."""
         import numpy
 
-        heads = numpy.frombuffer(data, numpy.uint32).reshape(-1, SIZE // 4)
-        kinds, numbers = heads[:, 0], heads[:, 1]
+        kinds = kinds_of(data)
+        numbers = numpy.frombuffer(data, numpy.uint32)[1 :: SIZE // 4]
         positions = numpy.flatnonzero((kinds == Kind.COMMUNICATION) | (kinds == Kind.SAMPLE))
-        # One number for each channel and kind; sorting by it keeps the order in time.
-        keys = 2 * numbers[positions] + (kinds[positions] == Kind.SAMPLE)
-        if len(self.channels) < 1 << 15:
-            keys = keys.astype(numpy.uint16)  # These are sorted faster.
+        # One number for each channel and kind, small ones because these are sorted faster; sorting keeps the order in
+        # time.
+        small = numpy.uint16 if len(self.channels) < 1 << 15 else numpy.uint32
+        keys = 2 * numbers[positions].astype(small) + (kinds[positions] == Kind.SAMPLE)
         order = numpy.argsort(keys, kind="stable")
         positions, keys = positions[order], keys[order]
         groups = numpy.split(positions, numpy.flatnonzero(keys[1:] != keys[:-1]) + 1) if len(keys) else []

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.deadlock.waiting import WaitingRecord, broadcast_readers
-from cspdiag.simulate.native.rows import ROW, SIZE, Kind, PassedRows, channel_of
+from cspdiag.simulate.native.rows import ROW, SIZE, Kind, PassedRows, channel_of, kinds_of
 from cspdiag.simulate.record.recorder import Recorder
 
 if TYPE_CHECKING:
@@ -92,14 +92,15 @@ class StreamReader:
         """Take whole records, most of which have values; returns how many rows they have."""
         import numpy
 
-        kinds = numpy.frombuffer(data, numpy.uint32, rows * SIZE // 4)[:: SIZE // 4]
+        kinds = kinds_of(data[: rows * SIZE])
         for row in numpy.flatnonzero(_without_values(kinds)).tolist():
             if kinds[row] == Kind.RELEASE and self._is_cut(data, row, rows):
                 rows = row
                 break
             self._take_row(data, row * SIZE)
-        heads = numpy.flatnonzero(kinds[:rows])
-        last = int(heads[-1]) if len(heads) else 0
+        last = rows - 1
+        while last > 0 and kinds[last] == Kind.CONTINUATION:
+            last -= 1
         if rows and kinds[last] in _HAVE_VALUES:
             if self._is_cut(data, last, rows):
                 rows = last
@@ -138,13 +139,13 @@ class StreamReader:
             return
         self._texts.append(self._text[: self._length].decode("utf-8", "surrogateescape"))
         self._length = None
-        if len(self._texts) == _TEXTS[Kind(self._head[0])]:
+        if len(self._texts) == _TEXTS[self._head[0]]:
             self._take_named(*self._head)
             self._head = ()
 
     def _take_named(self, kind: int, number: int, time: int, size: int, _reader: int, value: int) -> None:
         """Take a record with texts."""
-        match Kind(kind):
+        match kind:
             case Kind.CHANNEL:
                 self._take_channel(number, size, self._texts[0])
             case Kind.PROCESS:
@@ -161,7 +162,7 @@ class StreamReader:
                 (duration,) = _DURATION.unpack(value.to_bytes(8, sys.byteorder))
                 self.end = EndRecord(number, time, duration, *self._texts)
             case other:
-                raise ValueError(f"{other} has no texts")
+                raise ValueError(f"records of kind {other} have no texts")
 
     def _take_channel(self, number: int, size: int, name: str) -> None:
         type_ = self._types.get(name)
@@ -175,7 +176,7 @@ class StreamReader:
             self.passed.channels[number] = channel
 
     def _take_event(self, kind: int, number: int, time: int, first: int, _reader: int, value: int) -> None:
-        match Kind(kind):
+        match kind:
             case Kind.BEGIN:
                 self.now = time
                 self.recorder.process_started(time, *self._processes[number])
@@ -191,7 +192,7 @@ class StreamReader:
             case Kind.WAITING_AT:
                 self._take_place(number, first)
             case other:
-                raise ValueError(f"{other} is not an event")
+                raise ValueError(f"there are no records of kind {other}")
 
     def _take_place(self, number: int, end: int) -> None:
         """Note a channel at which the last process waits, or an end that its broadcast misses."""

@@ -4,15 +4,25 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, assert_never
 
 from cspdiag.base.record import record, replaced
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.simulate.record.leaves import Path, column, leaf, leaf_of_each, leaves
 
 if TYPE_CHECKING:
     import numpy
-
-    from cspdiag.model.types import Type
 
 Instants: TypeAlias = "array[int] | numpy.ndarray"
 """Nanoseconds, in ascending order."""
@@ -89,6 +99,21 @@ class Passed(Protocol):
         ``types`` are those of the channels.
         """
         ...
+
+
+def series(type_: Type) -> list[Any] | array[Any]:
+    """A sequence to which values of a type are added: numbers in as little memory as possible."""
+    match type_:
+        case RealType():
+            return array("d")
+        case IntType() | TimeType() | EnumType():
+            return array("q")
+        case BoolType():
+            return array("b")
+        case ArrayType() | StructType() | TextType() | UnknownType():
+            return []
+        case _:
+            assert_never(type_)
 
 
 def histories_of(

@@ -186,12 +186,19 @@ def account(reader: StreamReader) -> str:
     )
 
 
+@pytest.mark.parametrize("keeps_order", [False, True])
 @pytest.mark.parametrize(("seed", "longest"), [(1, 40), (2, 100), (3, 1000), (4, 5000)])
 def test_records_may_arrive_in_any_pieces(
-    program: cspdiag.LoadedProgram, reported: bytes, seed: int, longest: int
+    program: cspdiag.LoadedProgram,
+    reported: bytes,
+    seed: int,
+    longest: int,
+    keeps_order: bool,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    whole = account(read(program.network, io.BytesIO(reported)))
-    assert account(read(program.network, Pieces(reported, seed, longest))) == whole
+    whole = account(read(program.network, io.BytesIO(reported), keeps_order=keeps_order))
+    monkeypatch.setattr("cspdiag.simulate.native.rows._SORTED_AT_ONCE", 700)
+    assert account(read(program.network, Pieces(reported, seed, longest), keeps_order=keeps_order)) == whole
 
 
 def test_a_stream_that_ends_in_the_middle_is_noticed(program: cspdiag.LoadedProgram, reported: bytes) -> None:

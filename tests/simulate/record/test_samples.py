@@ -6,16 +6,23 @@ from __future__ import annotations
 
 import csv
 import io
+from array import array
 from collections.abc import Mapping
 from itertools import pairwise
+from pathlib import Path
 
 import numpy
 import pytest
 
 import cspdiag
+from cspdiag import pipeline
+from cspdiag.base.sources import read_source
+from cspdiag.cli.main import main
 from cspdiag.simulate.native.build import CompilerError, find_compiler
 from cspdiag.simulate.record.files import csv_parts, write_npz
+from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
+from cspdiag.simulate.run import execute
 
 DRIVE = """
 struct Pose {
@@ -144,6 +151,43 @@ def test_recordings_are_equal_byte_for_byte(program: cspdiag.LoadedProgram, run:
     for name, signal in run.signals.items():
         if "." not in name:
             assert (other[name] == signal.value).all()
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_ports_that_note_their_values_record_the_same(
+    program: cspdiag.LoadedProgram, run: Run, level: int, tmp_path: Path
+) -> None:
+    network = program.network
+    recorder = Recorder(ports={f"Drive.{port.name}": port.type for port in network.external_ports})
+    files = pipeline.generate(network, read_source, level=level, observed=True)
+    noted = execute.simulate(network, files, recorder=recorder)
+    assert "".join(csv_parts(noted)) == "".join(csv_parts(run))
+    run.to_npz(tmp_path / "all.npz")
+    noted.to_npz(tmp_path / "noted.npz")
+    assert (tmp_path / "noted.npz").read_bytes() == (tmp_path / "all.npz").read_bytes()
+    assert noted.activities == run.activities
+    assert noted.releases == run.releases
+    assert list(noted.communications) == []
+    assert recorder.port_logs is not None
+    assert [type(values) for _, values in recorder.port_logs.values()].count(array) == 4, "numbers need 8 bytes each"
+
+
+@pytest.mark.parametrize(("target", "level"), WAYS)
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+def test_a_recording_does_not_depend_on_what_else_is_written(
+    tmp_path: Path, target: str, level: int, ending: str
+) -> None:
+    if target == "c":
+        try:
+            find_compiler()
+        except CompilerError:
+            pytest.skip("no C compiler")
+    (tmp_path / "drive.csp").write_text(DRIVE)
+    run = ["run", str(tmp_path / "drive.csp"), f"-O{level}", "--target", target, "--quiet"]
+    alone, together = tmp_path / f"alone.{ending}", tmp_path / f"together.{ending}"
+    assert main([*run, "--record", str(alone)]) == 0
+    assert main([*run, "--record", str(together), "--trace", str(tmp_path / "trace.jsonl")]) == 0
+    assert alone.read_bytes() == together.read_bytes()
 
 
 def test_vectors_and_structs_have_a_column_for_each_number(run: Run) -> None:
