@@ -51,8 +51,9 @@ from .compiled.arithmetic import (
     uint16,
     uint32,
 )
+from .compiled.numbered import numbered
 from .compiled.rendezvous import Alternated, Rendezvous
-from .compiled.routine import Inlined, Part, Routine, Steps, end_group, start_group
+from .compiled.routine import Inlined, Numbered, Part, Routine, Steps, end_group, start_group
 from .composition import Rounds, begin_delay, group, now, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
 from .kernel.durations import ms, nanoseconds, ns, s, seconds, us
@@ -106,6 +107,7 @@ __all__ = [
     "Input",
     "Jitter",
     "Network",
+    "Numbered",
     "Observer",
     "Option",
     "Out",
@@ -165,6 +167,7 @@ __all__ = [
     "nearest",
     "now",
     "ns",
+    "numbered",
     "parallel",
     "power",
     "prioritized_parallel",

@@ -16,21 +16,27 @@ from ..channels.ports import In, Out, T
 from ..channels.selector import Selector, Watchers, lower_bits, raise_bits, without
 from ..kernel.party import Party, Waits
 from ..kernel.scheduler import present
+from .numbered import Names, name_of
 
 
 class Rendezvous(In[T], Out[T]):
     """Like ``Channel``, for one writer and one reader, neither of which alternates. The methods are for parties that
-    are not optimized code.
+    are not optimized code. ``label`` is its name, or the names of the array that it is an element of.
     """
 
-    __slots__ = ("name", "offered", "reading", "value", "writing")
+    __slots__ = ("label", "offered", "reading", "value", "writing")
 
     def __init__(self, name: str = "channel") -> None:
-        self.name = name
+        self.label: str | Names = name
         self.reading: Any = None
         self.writing: Any = None
         self.offered: Any = None
         self.value: Any = None
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Its path from the outermost process."""
+        return name_of(self)
 
     def request(self, party: Party) -> bool:
         """See ``In.request``."""

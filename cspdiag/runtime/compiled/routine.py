@@ -16,6 +16,7 @@ from ..kernel.party import Waits
 from ..kernel.places import note_place, place_of
 from ..kernel.scheduler import Join, Task, present
 from .direct import SPENT, DirectScheduler
+from .numbered import Names, name_of
 from .rendezvous import Rendezvous
 
 if TYPE_CHECKING:
@@ -117,6 +118,23 @@ class Routine(Part):
     def steps(self, me: Task) -> Steps:
         """What the process does."""
         raise NotImplementedError
+
+
+class Numbered(Routine):
+    """A process that may be an element of an array; ``label`` is its name, or the names of the array."""
+
+    __slots__ = ("label",)
+
+    label: str | Names
+
+    @property
+    def name(self) -> str:
+        """Its path from the outermost process."""
+        return name_of(self)
+
+    @name.setter
+    def name(self, name: str) -> None:
+        self.label = name
 
 
 Branch: TypeAlias = "Routine | Callable[[Task], Steps]"

@@ -98,7 +98,7 @@ class Communications:
         """Report a communication to the observer, if communications are traced."""
         if not self.traced:
             return ()
-        return (self.observed(channel.field("name"), value, writer, reader),)
+        return (self.observed(channel.field("label"), value, writer, reader),)
 
     def observed(self, name: Code, value: Code, writer: Code, reader: Code) -> Statement:
         """Report a communication to the observer, if there is one."""

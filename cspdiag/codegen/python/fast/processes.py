@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 from cspdiag.base.record import replaced
@@ -19,12 +19,14 @@ from cspdiag.codegen.python.plain.constructors import ConstructorWriter
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import Instances, path
+from cspdiag.codegen.python.plain.members import Array
 from cspdiag.codegen.python.plain.processes import all_readers
 from cspdiag.codegen.python.text.code import (
     FALSE,
     SELF,
     TRUE,
     Code,
+    Comprehension,
     Constant,
     Name,
     Prefix,
@@ -38,7 +40,6 @@ from cspdiag.codegen.python.text.imports import Imports, member_order
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule
 from cspdiag.codegen.python.text.names import PackageNames
-from cspdiag.codegen.python.text.rolling import rolled_list
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import (
     RAISE,
@@ -99,6 +100,13 @@ def has_levels(network: Network) -> bool:
     return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in parts(body))
 
 
+@lru_cache(maxsize=1)
+def classes_of_elements(network: Network) -> frozenset[str]:
+    """The process classes of which an array has instances."""
+    classes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
+    return frozenset(item.class_name for entry in classes for item in entry.instances if item.array is not None)
+
+
 class _ProcessWriter(ConstructorWriter):
     initial: FastPrinter
 
@@ -126,6 +134,7 @@ class _ProcessWriter(ConstructorWriter):
             signal=spelling.signal,
             temporaries=temporaries,
         )
+        self.traced = options.traced
         self.checked = process.name in checked_classes(network)
         self.tracked = has_parts_by_hand(network) or has_levels(network)
         communications = Communications(
@@ -147,7 +156,8 @@ class _ProcessWriter(ConstructorWriter):
         constructor = self._constructor()
         slots = sorted({*attributes_set(constructor.body)}, key=member_order)
         attributes = lines([assign("__slots__", tuple_of(Constant(quoted(name)) for name in slots))], "    ")
-        name, base = self.names.classes[process.name], self.imports.runtime("Routine")
+        is_element = not self.traced and process.name in classes_of_elements(self.network)
+        name, base = self.names.classes[process.name], self.imports.runtime("Numbered" if is_element else "Routine")
         facts = {"kind": Constant(quoted(process.definition)), "source": Constant(quoted(self.place))}
         facts |= {"checked": TRUE} if self.checked else {}
         facts |= {"tracked": TRUE} if self.tracked else {}
@@ -350,7 +360,22 @@ class _ProcessWriter(ConstructorWriter):
             arrays.add(array.name)
             by_name = {item.name: item for item in self.process.instances}
             elements = [self.instances.made(by_name[element]) for element in array.elements]
-            yield assign(own(array.name), rolled_list(elements, self.members.index))
+            yield assign(own(array.name), self._array(array, elements))
+
+    def _array(self, array: Array, elements: Sequence[Code]) -> Code:
+        made = super()._array(array, elements)
+        if self.traced or not isinstance(made, Comprehension) or not self._has_label(array.elements[0]):
+            return made
+        return replaced(made, brackets=f"{self.imports.runtime('numbered')}()")
+
+    def _has_label(self, element: str) -> bool:
+        """Whether a channel or an instance can share the names of its array."""
+        for channel in self.process.channels:
+            if channel.name == element:
+                return is_inline(Medium(channel.kind, channel.guarded_reads, channel.guarded_writes))
+        instance = next(item for item in self.process.instances if item.name == element)
+        class_ = self.network.class_named(instance.class_name)
+        return isinstance(class_, ProcessClass) and class_.external is None
 
     def _made_end(self, end: End, made: set[str]) -> Iterator[Statement]:
         if end not in self.members.reading_ends or not self._has_end(end):

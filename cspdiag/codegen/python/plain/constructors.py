@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.instances import path
-from cspdiag.codegen.python.plain.members import Members
+from cspdiag.codegen.python.plain.members import Array, Members
 from cspdiag.codegen.python.text.code import NONE, Argument, Call, Code, Name, WholeNumber, own, typed
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.modules import port_annotation
@@ -72,4 +72,8 @@ class ConstructorWriter:
             elif array.name not in done:
                 done.add(array.name)
                 elements = [made.get(element, NONE) for element in array.elements]
-                yield assign(own(array.name), rolled_list(elements, self.members.index))
+                yield assign(own(array.name), self._array(array, elements))
+
+    def _array(self, array: Array, elements: Sequence[Code]) -> Code:
+        """The elements of an array of channels or instances as a list."""
+        return rolled_list(elements, self.members.index)

@@ -239,12 +239,14 @@ class Entry(Primary):
 
 @record
 class Comprehension(Primary, Closed):
-    """``[element for i in range(8)]``, or a generator in parentheses."""
+    """``[element for i in range(8)]``, or with ``()`` a generator in parentheses, and with ``f()`` a function that is
+    called with one.
+    """
 
     element: Code
     variable: str
     items: Code
-    brackets: Literal["[]", "()"] = "[]"
+    brackets: str = "[]"
 
     @property
     def clause(self) -> str:
@@ -252,7 +254,7 @@ class Comprehension(Primary, Closed):
         return f"for {self.variable} in {self.items.flat}"
 
     def _flat(self) -> str:
-        return f"{self.brackets[0]}{self.element.flat} {self.clause}{self.brackets[1]}"
+        return f"{self.brackets[:-1]}{self.element.flat} {self.clause}{self.brackets[-1]}"
 
 
 @record

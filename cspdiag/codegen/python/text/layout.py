@@ -186,7 +186,7 @@ def _at_brackets(code: Code) -> Document:
         case Comprehension():
             several = (_inside(code.element), LINE, code.clause)
             inner = FirstThatFits((Flat(f"{code.element.flat} {code.clause}"), several))
-            return _bracketed(code, code.brackets[0], inner, code.brackets[1])
+            return _bracketed(code, code.brackets[:-1], inner, code.brackets[-1])
         case Starred():
             return ("*", _at_brackets(code.value))
         case Parenthesized():
