@@ -84,7 +84,7 @@ $(VENV)/.stamp-dev: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot,dev]'
 	@touch $(VENV)/.stamp-run $@
 
-# What pip's build hook could not fetch is tried again, and the reason said.
+# What pip's build hook could not fetch is tried again, and the reason is printed.
 third-party/VERSIONS: distribution/third_party.py | $(VENV)/.stamp-dev
 	@$(BIN)/python distribution/third_party.py && touch -c $@ || true
 

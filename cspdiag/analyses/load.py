@@ -20,8 +20,8 @@ from cspdiag.syntax import ast
 
 
 def may_be_overloaded(program: Program, checked: Checked) -> bool:
-    """Whether the laws may need more than the whole processor: if all those that the compositions run, each as often as
-    it stands there, were run in the shortest of all periods.
+    """Whether the laws may need more than the entire processor: if all those that the compositions run, each as often
+    as it occurs there, were run in the shortest of all periods.
     """
     times: dict[ast.Definition, int] = {}
     for definition in program.definitions.values():

@@ -80,9 +80,9 @@ def test_a_run_against_the_clock_is_not_stopped(folder: Path, how: str) -> None:
     assert (folder / "closed").exists()
     lines = [line.partition("\r")[0] for line in shown.split("\x1b[K")[1:-1]]
     assert all(len(line) < 20 for line in lines), (
-        "a line that is too long for the terminal would stand there again and again"
+        "a line that is too long for the terminal would be repeated again and again"
     )
-    assert ("\x1b[K" in shown) == (how == "Ctrl-Z"), "progress belongs to who is in the foreground"
+    assert ("\x1b[K" in shown) == (how == "Ctrl-Z"), "progress belongs to the foreground process"
 
 
 @pytest.mark.parametrize("how", ["&", "Ctrl-Z"])

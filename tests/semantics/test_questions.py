@@ -33,7 +33,7 @@ QUESTIONS = {
     "cancelling finds the ended party in the ready queue": "interrupt_by_what_the_body_does_itself",
     "two interrupts that meet abandon both bodies": "Interrupts-2",
     "nested interrupts": "nested_interrupts",
-    "who chooses of two guards on one end": "two_guards_on_one_end",
+    "which of two guards on one end is chosen": "two_guards_on_one_end",
     "division by zero of reals": "faults_change_nothing",
     "a variable keeps its value where a fault is caught": "Faults-0",
     "priorities are compared like words": "Turns-2",
@@ -46,7 +46,7 @@ QUESTIONS = {
     "a buffer communicates when a value is put": "guards_that_write",
     "conversions to whole numbers cut off": "values_go_to_who_waits",
     "wait and after of nothing do not yield": "no_time_at_all",
-    "an overwriting channel hands a value to a reader that waits": "values_go_to_who_waits",
+    "an overwriting channel gives a value to a reader that waits": "values_go_to_who_waits",
 }
 
 WORKED = {name.rpartition("/")[2].removesuffix(".csp") for name in PROGRAMS} | {str(case.id) for case in ON_PAGE}

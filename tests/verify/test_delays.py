@@ -40,7 +40,7 @@ OVER_AT_ONCE = {
     "a variable that is read": ("f ? d ; mu (wait d)", {}),
     "a parameter": ("mu (wait p ; q := false) until q", {"parameters": "(p : time = 0 ms)"}),
     "a product": ("mu (wait 1 ms * p ; q := false) until q", {"parameters": "(p : int = 0)"}),
-    "a branch beside others": ("(mu (x ? a)) || (mu (wait 0 ms ; q := false) until q)", {}),
+    "a branch in parallel with others": ("(mu (x ? a)) || (mu (wait 0 ms ; q := false) until q)", {}),
     "one of several that spin": (
         "(mu wait d) || (mu (x ? a)) || (mu (wait NONE ; q := false) until q)",
         {"initial": "-1 ms"},
@@ -81,7 +81,7 @@ OVER_AT_ONCE = {
         "(mu (((wait 5 ms) interrupt c ! 1 -> skip) ; q := false) until q) || c ? v",
         {"parts": "channel c : int overwrite 1"},
     ),
-    "one of two ways": ("mu (if v > 3 then wait 1 ms else wait d)", {"initial": "0 ms"}),
+    "one of two paths": ("mu (if v > 3 then wait 1 ms else wait d)", {"initial": "0 ms"}),
 }
 """Loops that continue while no time passes, in some instances, or with something that may end them: others are refused
 by the compiler.
@@ -97,7 +97,7 @@ LASTS = {
     "a wait": ("mu wait 1 ns", {}),
     "a constant less another": ("mu wait 2 ms - 1 ms", {}),
     "a time-out": ("mu (e ? v -> skip [] after NONE + 1 ms -> skip)", {}),
-    "a variable that nobody changes": ("mu wait d", {"initial": "4 ms"}),
+    "a variable that never changes": ("mu wait d", {"initial": "4 ms"}),
     "a variable that only grows": ("mu (wait d ; d := d + 1 ms)", {"initial": "4 ms"}),
     "a variable with two values": ("mu (wait d - 1 ms ; d := 3 ms)", {"initial": "4 ms"}),
     "a parameter": ("mu wait 2 * p", {"parameters": "(p : time = 1 ms)"}),
@@ -115,7 +115,7 @@ LASTS = {
             "more": "process Waits(p : time) { composition { mu wait p - 1 ms } }",
         },
     ),
-    "what is known where it stands": ("f ? d ; mu (if d > 2 ms then wait d else wait 1 ms)", {}),
+    "what is known at its place": ("f ? d ; mu (if d > 2 ms then wait d else wait 1 ms)", {}),
     "the greater of two": ("f ? d ; mu wait max(d, 1 ms)", {}),
     "one of two durations": ("mu wait (if v > 3 then 1 ms else 2 ms)", {}),
     "a sample": ("mu (wait 0 ms ; x ? a)", {}),

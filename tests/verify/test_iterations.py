@@ -39,7 +39,7 @@ PARTNERS = {
     "one more": ("seq i < {turns} : c ! i ; c ! 0", READS, "refuted"),
     "no fault in range": ("(seq i < {turns} : c ! i * i + 1) catch Fault -> stop", READS, "proved"),
     "a fault in the middle": ("(seq i < {turns} : c ! 100 / (i - 50)) catch Fault -> stop", READS, "refuted"),
-    "a fault in no turn": ("(seq i < {turns} : c ! int(int8(i))) catch Fault -> stop", READS, "proved"),
+    "a fault in no iteration": ("(seq i < {turns} : c ! int(int8(i))) catch Fault -> stop", READS, "proved"),
     "a condition in the middle": ("seq i < {turns} : if i != 30 then c ! i", READS, "refuted"),
     "a condition on both sides": (
         "seq i < {turns} : (if i < 30 then c ! i else beat ! i)",

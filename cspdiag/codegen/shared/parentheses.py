@@ -1,4 +1,4 @@
-"""Which operands stand in parentheses: decided once, with a table of the operators of each language."""
+"""Which operands need parentheses: decided once, with a table of the operators of each language."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ T = TypeVar("T", bound=Ranked)
 
 @record
 class Operands:
-    """How tightly the operands of an operator with two of them bind at least where they stand without parentheses.
+    """How tightly the operands of an operator with two of them bind at least if they have no parentheses.
 
     Of operators that ``chain``, the first may also be a row of operators of the same precedence: ``a - b + c``.
     """

@@ -1,4 +1,4 @@
-"""Drivers: what stands behind the ports of the outermost process."""
+"""Drivers: what is behind the ports of the outermost process."""
 
 from __future__ import annotations
 

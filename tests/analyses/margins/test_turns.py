@@ -71,18 +71,18 @@ REFUSED = [
     (program("mu (law ; y ? v ; y ? v)", ka=3), "it takes two samples of `y` in one iteration"),
     (program("mu (law ; u ! 2 * v)", ka=3), "does not come back to it"),
     (program("mu (law ; u ! 0)", ka=5), "does not come back to it"),
-    (program("mu (z ? v ; if v > 0 then b := 1 else b := -1 ; law)"), "it stands under a condition"),
+    (program("mu (z ? v ; if v > 0 then b := 1 else b := -1 ; law)"), "it is under a condition"),
     (program("mu (z ? v ; b := v * v ; law)"), "compute it in a submodel"),
     (program("mu (z ? v ; b := v / (2 - 2) ; law)"), "divided by zero"),
     (program("mu (z ? v ; while b > 1 do b := 0.5 * b ; b := v ; law)"), "nothing shows that it ends"),
     (program("mu (law ; law)", ka=3), "is run in several places"),
     (program("mu (wait 3 ms ; law)", ka=3), "the loop waits for a time"),
     (program("mu (law ; reset law)", ka=3), "the loop resets an instance"),
-    (program("mu (law catch Timeout -> u ! 0)", ka=3), "it stands in a `catch` within the loop"),
-    (program("mu (mu law until v > 1 ; u ! 0)", ka=3), "it stands in a loop inside another loop"),
+    (program("mu (law catch Timeout -> u ! 0)", ka=3), "it is in a `catch` within the loop"),
+    (program("mu (mu law until v > 1 ; u ! 0)", ka=3), "it is in a loop inside another loop"),
     (program("(mu law) interrupt z ? v -> u ! 0", ka=3), "the next sample interrupts it"),
     (program("mu law until true", ka=3), "its loop ends after one iteration"),
-    (program("law", ka=3), "it does not stand in a loop"),
+    (program("law", ka=3), "it is not in a loop"),
 ]
 
 
@@ -137,7 +137,7 @@ def test_an_outer_loop_does_not_vanish(inner: str) -> None:
     ("inner", "reason"),
     [
         ("mu (reference ? target -> skip [] current -> law)", "write `[]>`"),
-        ("mu (reference ? t2 -> (if t2 > 1<A> then target := t2) []> current -> law)", "it stands under a condition"),
+        ("mu (reference ? t2 -> (if t2 > 1<A> then target := t2) []> current -> law)", "it is under a condition"),
         ("mu (reference ? t2 -> target := 0.1<1/A> * t2 * t2 []> current -> law)", "compute it in a submodel"),
         ("mu (when t2 < 1<A> & reference ? target -> skip []> current -> law)", "it waits at `wanted` without bound"),
     ],

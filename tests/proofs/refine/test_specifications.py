@@ -190,8 +190,8 @@ ORDERS = {
     "priority of processes": Pair("p ! 2 ; o ! 1", "o ! 1 ||> p ! 2", "unknown", TWO),
     "processes in any order": Pair("p ! 2 ; o ! 1", "o ! 1 || p ! 2", "proved", TWO),
     "the shorter delay": Pair("wait 2 ms ; o ! 2", "after 1 ms -> o ! 1 [] after 2 ms -> o ! 2", "unknown"),
-    "a delay beside what is ready": Pair("wait 2 ms ; o ! 1", "after 1 ms -> o ! 1 [] skip -> o ! 2", "refuted"),
-    "a delay beside another process": Pair("o ! 1 ; p ! 2", "(wait 1 ms ; o ! 1) || p ! 2", "unknown", TWO),
+    "a delay next to what is ready": Pair("wait 2 ms ; o ! 1", "after 1 ms -> o ! 1 [] skip -> o ! 2", "refuted"),
+    "a delay in parallel with another process": Pair("o ! 1 ; p ! 2", "(wait 1 ms ; o ! 1) || p ! 2", "unknown", TWO),
     "an interrupt in time": Pair("o ! 1 ; o ! 3", "(o ! 1 ; o ! 2) interrupt after 1 ms -> o ! 3", "unknown"),
     "samples of two inputs": Pair(
         "mu (i ? x ; i ? x ; j ? x ; o ! 0)",

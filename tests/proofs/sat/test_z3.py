@@ -45,7 +45,7 @@ class StubSolver:
         self.clauses += map(list, clauses)
 
     def check(self, assumed: Sequence[Literal]) -> str:
-        assert self.timeout is not None, "nobody said how long it may take"
+        assert self.timeout is not None, "there is no time limit"
         if self.timeout <= 1:
             return "unknown"
         found = _decided([*self.clauses, *([literal] for literal in assumed)], {})

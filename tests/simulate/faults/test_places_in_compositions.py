@@ -116,7 +116,7 @@ GUARDS = {
     "an instant": "(at // here\n  now +\n  1 ms * (6 / m) -> skip)",
     "a read of a guard": "(after 9 ms -> skip\n  []\n  c ? // here\n  v[n +\n  m - 1] -> skip)",
     "a read of a guard alone": "(\n  c ? // here\n  v[n +\n  m - 1] -> skip)",
-    "a statement behind a guard": "(\n  after 1 ms -> (\n\n  n := // here\n  6 / m))",
+    "a statement after a guard": "(\n  after 1 ms -> (\n\n  n := // here\n  6 / m))",
     "when of an interrupt": "(skip ; wait 5 ms) interrupt\n  when\n  n == 0 // here\n  and 6 / m > 1 & o ! 1 -> skip",
     "a duration of an interrupt": "(skip ; wait 5 ms) interrupt\n  after // here\n  1 ms *\n  (6 / m) -> skip",
     "a value of an interrupt": "(skip ; wait 5 ms) interrupt\n  o ! // here\n  (6\n  / m) -> skip",

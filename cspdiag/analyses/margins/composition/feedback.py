@@ -145,7 +145,7 @@ class FeedbackSearch:
                 raise NotLinearError(f"{name} is run in several places; run it in one; {ADVICE}", run.span)
         turn = self._turn_of(law)
         if chosen.reason or turn is None:
-            reason = chosen.reason or "it does not stand in a loop"
+            reason = chosen.reason or "it is not in a loop"
             raise NotLinearError(f"{name} does not run once in each period: {reason}; {ADVICE}", chosen.span)
         if not turn.period or chosen not in turn.main:
             reason = turn.reason or "it runs in a branch without samples"

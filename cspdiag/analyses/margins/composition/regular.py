@@ -17,7 +17,7 @@ class Turn:
     each time.
 
     ``main`` takes the samples of ``inputs``, which are nets, and begins with what waits for the next instant;
-    ``leading`` are the statements that stand before that in the text, and so run at the end of the iteration before.
+    ``leading`` are the statements before that in the text, which run at the end of the previous iteration.
     Before or after ``main`` the loop takes values from other loops, by the branches of its alternative.
     """
 
@@ -144,7 +144,7 @@ class Turns:
 
 
 def _rotated(turn: Turn, first: int) -> Turn:
-    """The turn as it runs: from the statement that waits for the next instant to that which stands before it."""
+    """The turn as it runs: from the statement that waits for the next instant to the one before it."""
     leading = turn.main[:first]
     return replaced(turn, main=(*turn.main[first:], *leading), leading=leading)
 

@@ -62,7 +62,7 @@ class Loop:
 
 @record
 class _Context:
-    """Where a statement stands."""
+    """The place of a statement."""
 
     process: str
     position: Position = ()
@@ -131,7 +131,7 @@ class Composition:
         value: Expression | None = None,
         reason: str = "",
     ) -> None:
-        reason = context.reason or reason or ("" if context.turn is not None else "it does not stand in a loop")
+        reason = context.reason or reason or ("" if context.turn is not None else "it is not in a loop")
         self.statements.append(
             Statement(
                 context.process, context.position, context.priority, context.turn, reason, span, law, sources, target,
@@ -173,7 +173,7 @@ class Composition:
             case ir.Group():
                 self._action(context, action.body)
             case ir.Choice():
-                reason = "it stands in an alternative" if len(action.branches) > 1 else ""
+                reason = "it is in an alternative" if len(action.branches) > 1 else ""
                 self._branches(_stopped(context, reason), action)
             case ir.SequentialSteps() | ir.ParallelSteps():
                 ranked = isinstance(action, ir.ParallelSteps) and action.prioritized
@@ -184,7 +184,7 @@ class Composition:
                 self._irregular(context, action)
 
     def _irregular(self, context: _Context, action: ir.CoreAction) -> None:
-        """Anything that is not followed within a turn: what stands inside is not, either."""
+        """Anything that is not followed within a turn: what is inside it is not, either."""
         reason, decisive = _irregularity(action)
         within = replaced(
             _stopped(context, reason),
@@ -208,10 +208,10 @@ class Composition:
     def _repeat(self, context: _Context, action: ir.Repeat[ir.CoreAction]) -> None:
         until = action.until
         if context.turn is not None:
-            self._add(context, action.span, reason="a loop stands inside it")
+            self._add(context, action.span, reason="it contains a loop")
         inner = replaced(_inside(context, action, 0), is_in_loop=True)
         if context.is_in_loop:
-            inner = _stopped(inner, "it stands in a loop inside another loop", always=True)
+            inner = _stopped(inner, "it is in a loop inside another loop", always=True)
         elif isinstance(until, LiteralValue) and until.value:
             inner = _stopped(inner, "its loop ends after one iteration", always=True)
         body = action.body
@@ -261,15 +261,15 @@ def _irregularity(action: ir.CoreAction) -> tuple[str, object]:
     """Why an action is not followed within a turn, and what decides on what is inside it."""
     match action:
         case ir.IfElse():
-            return "it stands under a condition", action.condition
+            return "it is under a condition", action.condition
         case ir.WhileLoop():
-            return "it stands in a loop inside another loop", action.condition
+            return "it is in a loop inside another loop", action.condition
         case ir.CountedLoop():
-            return "it stands in a loop inside another loop", ()
+            return "it is in a loop inside another loop", ()
         case ir.CatchException():
-            return "it stands in a `catch` within the loop", ()
+            return "it is in a `catch` within the loop", ()
         case ir.InterruptOn():
-            return "it stands in an `interrupt` within the loop", action.branch.condition or ()
+            return "it is in an `interrupt` within the loop", action.branch.condition or ()
         case ir.WaitStep():
             return "the loop waits for a time", action.duration
         case ir.ResetInstance():

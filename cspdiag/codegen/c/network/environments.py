@@ -119,7 +119,7 @@ class EnvironmentFiles:
         about = [*wrapped(environment.doc or f"The environment {environment.name}."), ""]
         about.append(f"Source: {self._place(environment)}")
         rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", "", '#include "network.h"', ""]
-        rows += ["/* What stands behind the ports of the program. */"]
+        rows += ["/* What is behind the ports of the program. */"]
         rows += [f"extern const struct network_drivers {self.name}_drivers;"]
         rows += [f"extern const csp_environment {self.name};", "", "#endif", ""]
         return "\n".join(rows)

@@ -99,7 +99,7 @@ class _NetworkFiles:
 
     def header(self) -> str:
         """What a `main` that runs the program needs."""
-        about = [f"The network of {self.network.top}: its processes, its channels, and what stands behind its ports."]
+        about = [f"The network of {self.network.top}: its processes, its channels, and what is behind its ports."]
         rows = [*comment(about), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
         rows += ['#include "types.h"', ""] if self._events else [""]
         rows += ["/* A device or a simulated one for every port. */"]

@@ -39,7 +39,7 @@ LINE_LENGTH = 100
 INDENT = " " * 4
 
 _LEAST_COMMENT = 40
-"""The columns that a comment has, however deep it stands."""
+"""The columns that a comment has, however deep it is nested."""
 
 
 def statement(before: str, code: Code, after: str = "", indent: str = "", comment: str | None = None) -> list[str]:

@@ -15,7 +15,7 @@ def _do_in_parallel(one: Access, other: Access, verb: str, channel: str) -> str:
 
 
 def both(one: Access, other: Access, verbs: tuple[str, str]) -> tuple[Label, ...]:
-    """The places of a pair: the other end of the relationship, and where the two stand in the composition."""
+    """The places of a pair: the other end of the relationship, and where the two are in the composition."""
     labels = [Label(other.span, f"{other.user} {verbs[1]} here")]
     for access, verb in ((one, verbs[0]), (other, verbs[1])):
         if access.run != access.span:

@@ -111,7 +111,7 @@ GAPS = {
         "((mu a || (wait 25 ms ; raise Stop)) catch Stop -> skip) ; wait 22 ms ; mu a",
         "it waits 22 ms",
     ),
-    "a wait beside a read, that only one round has": ("((e ? v ; e ? v) || p ? w) ; p ? w", "the event `e`"),
+    "a wait next to a read, in one round only": ("((e ? v ; e ? v) || p ? w) ; p ? w", "the event `e`"),
     "branches that end at different times": (
         "(mu (a ; n := n + 1) until n > 3) || mu b",
         "but its samples arrive until the process has ended",
@@ -189,7 +189,7 @@ COUNTS = (
 )
 ENDLESS = {
     "before the loop": "(mu (i := 1 - i) until i > 3) ; mu a",
-    "beside the loop": "(mu (i := 1 - i) until i > 3) || mu a",
+    "in parallel with the loop": "(mu (i := 1 - i) until i > 3) || mu a",
     "below the loop, once it has begun": "mu a ||> (wait 15 ms ; mu (i := 1 - i) until i > 3)",
     "with the condition first": "(while j > 3 do j := 6 - j + 4) ; mu a",
     "in an event branch": "mu (after 4 ms -> (mu (i := 1 - i) until i > 3) []> p -> a)",
@@ -208,11 +208,11 @@ ENDLESS = {
     "away from its bound": "(mu (i := i - 1) until i > 3) || mu a",
     "with a count that is set back": "(mu (i := i + 1 ; if on then i := 0) until i > 3) || mu a",
     "with a count that one side forgets": "(mu (if on then on := true else i := i + 1) until i > 3) || mu a",
-    "with a bound that goes along": "(while i < j do (i := i + 1 ; j := j + 1)) || mu a",
+    "with a bound that moves along": "(while i < j do (i := i + 1 ; j := j + 1)) || mu a",
     "of two conditions that do not meet": "(mu (i := 1 - i) until i > 3 or (i > 0 and i < 1)) || mu a",
     "of a real that stays": "(mu (v := 0.5 * v + 1) until v > 3) || mu a",
     "past its bound": "(mu (i := i + 2) until i == 3) || mu a",
-    "that writes what nobody waits for": "mu a || (mu (keep ! v ; i := 0) until i > 9) || mu (wait 20 ms ; keep ? w)",
+    "writing without a reader": "mu a || (mu (keep ! v ; i := 0) until i > 9) || mu (wait 20 ms ; keep ? w)",
 }
 ENDING = (
     "(mu (i := i + 1) until i > 3) ; mu a",

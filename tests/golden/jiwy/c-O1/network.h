@@ -1,4 +1,4 @@
-/* The network of Jiwy: its processes, its channels, and what stands behind its ports. */
+/* The network of Jiwy: its processes, its channels, and what is behind its ports. */
 #ifndef NETWORK_H
 #define NETWORK_H
 

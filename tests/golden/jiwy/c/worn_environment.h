@@ -8,7 +8,7 @@
 
 #include "network.h"
 
-/* What stands behind the ports of the program. */
+/* What is behind the ports of the program. */
 extern const struct network_drivers worn_environment_drivers;
 extern const csp_environment worn_environment;
 
