@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from cspdiag.model.sampling import Sampling
-from cspdiag.network.ir.network import Environment
+from cspdiag.network.ir.expression_walk import signals_read
+from cspdiag.network.ir.network import Environment, SubmodelClass
 from cspdiag.semantics.laws import Law
 from cspdiag.semantics.values import zero
 
@@ -21,23 +22,25 @@ class Plant:
         self.grid = Sampling(environment.step)
         self.law = Law(environment.system, {})
         self.inputs = {port.name: zero(port.type) for port in environment.system.ports if port.direction == "in"}
+        self.results = [port.name for port in environment.system.ports if port.direction == "out"]
+        self.changes = _read_by_changes(environment.system)
         self.now = 0
         self.signals: dict[str, Any] = {}
 
     def start(self) -> None:
-        """Evaluate at time 0. «The environment from instant to instant»"""
-        self.signals = self.law.evaluate(**self.inputs)
+        """Evaluate the outputs at time 0. «The environment from instant to instant»"""
+        self.signals = self.law.evaluate(self.results, **self.inputs)
 
     def advance(self, now: int) -> None:
         """Steps 1 to 4: evaluate, compute ``next`` on the grid, integrate with the inputs held, evaluate again.
 
         «The environment from instant to instant»
         """
-        signals = self.law.evaluate(**self.inputs)
+        signals = self.law.evaluate(self.changes, **self.inputs)
         self.law.advance(signals, (now - self.now) / 1e9, discrete=self.grid.is_tick(now))
         self.now = now
         self.law.time = now / 1e9
-        self.signals = self.law.evaluate(**self.inputs)
+        self.signals = self.law.evaluate(self.results, **self.inputs)
 
     def output(self, port: str) -> Any:
         """The present value of an output."""
@@ -46,3 +49,11 @@ class Plant:
     def give(self, port: str, value: Any) -> None:
         """Takes a new value of an output of the program."""
         self.inputs[port] = value
+
+
+def _read_by_changes(law: SubmodelClass) -> frozenset[str]:
+    """The signals that ``next`` values read, and those that derivatives read but do not compute in each stage."""
+    computed = {equation.name for equation in law.derivative_equations}
+    slopes = [*(equation.value for equation in law.derivative_equations), *(value for _, value in law.derivatives)]
+    held = {name for value in slopes for name in signals_read(value)} - computed
+    return frozenset(held.union(*(signals_read(value) for _, value in law.next_values)))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
+from cspdiag.network.ir.expression_walk import signals_read
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.semantics.values import FaultError, Names, value_of
@@ -48,13 +49,14 @@ class Law:
         for state in self.cls.states:
             self.states[state.name] = self.value(state.initial, self.constants)
 
-    def evaluate(self, **inputs: Any) -> dict[str, Any]:
-        """All signals at the present instant, equations in the order in which they depend on each other.
+    def evaluate(self, only: Collection[str] | None = None, /, **inputs: Any) -> dict[str, Any]:
+        """All signals at the present instant, equations in the order in which they depend on each other; ``only`` those
+        that some signals depend on.
 
         «Submodels: the control laws»
         """
         signals = {**self.constants, **inputs, **self.states}
-        for equation in self.cls.equations:
+        for equation in self.cls.equations if only is None else _needed(self.cls.equations, only):
             if isinstance(equation, ExternalCall):
                 given = {name: self.value(value, signals) for name, value in equation.inputs}
                 results = self.externals[equation.name](**given)
@@ -121,6 +123,21 @@ class Law:
     def value(self, expression: Expression, signals: Mapping[str, Any]) -> Any:
         """The value of an expression over the signals. «Expressions»"""
         return value_of(expression, self.parameters, self.variables, signals.__getitem__, self.time)
+
+
+def _needed(equations: Sequence[SubmodelEquation | ExternalCall], roots: Collection[str]) -> list[Any]:
+    """The equations that some signals depend on, in their order; calls of other languages always."""
+    wanted = set(roots)
+    found: list[SubmodelEquation | ExternalCall] = []
+    for equation in reversed(equations):
+        if isinstance(equation, ExternalCall):
+            wanted.update(name for _, value in equation.inputs for name in signals_read(value))
+        elif equation.name in wanted:
+            wanted.update(signals_read(equation.value))
+        else:
+            continue
+        found.append(equation)
+    return found[::-1]
 
 
 def _finite(x: float) -> float:
