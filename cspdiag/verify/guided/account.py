@@ -86,7 +86,7 @@ class _Follower:
         for actors in (happened.actors, happened.actors[1:], happened.actors[:1]):
             matches = list(self._matches(happened, actors, value)) if actors else []
             if matches:
-                best = min(matches, key=lambda match: match.fit)
+                best = min(matches, key=lambda match: (match.fit, self._is_elsewhere(match, actors)))
                 places = {number: actor.place for number, actor in zip(best.actors, actors, strict=True)}
                 same = [match for match in matches if match.actors == best.actors]
                 return self._taken(value, best, same, places)
@@ -156,6 +156,20 @@ class _Follower:
                 if max(fits) < UNFIT:
                     yield _Match(number, tuple(order), sum(fits))
 
+    def _is_elsewhere(self, match: _Match, actors: Sequence[Actor]) -> bool:
+        """Whether a component can only do this in another line than its actor did."""
+        return any(
+            actor.place is not None and not self._has_place(number, match.event, actor.place)
+            for number, actor in zip(match.actors, actors, strict=True)
+        )
+
+    def _has_place(self, component: int, event: int, at: str) -> bool:
+        return any(
+            self._is_at(component, state, at)
+            for state in self._reached(component)
+            if any(taken == event for taken, _ in self._edges(component, state))
+        )
+
     def _possible(self, happened: Happened, value: str | None) -> Iterable[int]:
         if happened.action in {"wait", "after"}:
             events = self._system.events
@@ -169,7 +183,11 @@ class _Follower:
             if (self._system.events[number].kind == "miss") == missed
         ]
         with_value = [number for number in possible if self._system.events[number].value == value]
-        return with_value or possible
+        # A value that the proof does not follow may be the same as one that it follows elsewhere.
+        return [
+            *with_value,
+            *(n for n in possible if self._system.events[n].value is None and value is not None),
+        ] or possible
 
     def _fit(self, actor: Actor, party: int) -> int:
         component = self._system.components[party]

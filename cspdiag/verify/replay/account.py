@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from cspdiag.base.record import replaced
@@ -13,6 +13,7 @@ from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
 from cspdiag.proofs.counterexamples.rounds import with_rounds
 from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.verify.guided.script import Actor
 from cspdiag.verify.replay.added_parties import AddedParties
 from cspdiag.verify.replay.result import Replay
 from cspdiag.verify.replay.rounds import Added
@@ -35,6 +36,9 @@ def as_replayed(found: Counterexample, replay: Replay, network: CoreNetwork, sys
         for part, start in ((found.steps, 0), (found.cycle, len(found.steps)))
     )
     parties = AddedParties(system, network.top)
+    if replay.added:
+        # The trace has as few rounds as possible, so the program may have done a step of it in another place.
+        steps = tuple(_where_done(step, replay.actors.get(number, ()), parties) for number, step in enumerate(steps))
     added = ((one.before, _step(one, parties)) for one in replay.added)
     found = with_rounds(replaced(found, steps=steps, cycle=cycle), added)
     every = [*found.steps, *found.cycle]
@@ -57,6 +61,11 @@ def _step(added: Added, parties: AddedParties) -> Step:
     value = step.value if step.value is None or len(step.value) <= LONGEST else None
     party, channel = parties.of(added)
     return Step(step.kind, channel, value, (party,))  # type: ignore[arg-type]
+
+
+def _where_done(step: Step, actors: Sequence[Actor], parties: AddedParties) -> Step:
+    """A step with the places in which the program did it."""
+    return replaced(step, parties=tuple(parties.where_done(step, party, actors) for party in step.parties))
 
 
 def _passed(step: Step, text: str | None) -> Step:

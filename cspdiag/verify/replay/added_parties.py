@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from cspdiag.base.record import replaced
 from cspdiag.network.dump.delay import is_of_time_out, until_instant
-from cspdiag.proofs.counterexamples.counterexample import Party
+from cspdiag.proofs.counterexamples.counterexample import Party, Step
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Event, Place, System
 from cspdiag.verify.guided.account import is_at
+from cspdiag.verify.guided.script import Actor
 from cspdiag.verify.replay.rounds import Added
 from cspdiag.verify.runs.names import UNFIT, duration_of, fit
+from cspdiag.verify.runs.trace import TraceStep
 
 
 class AddedParties:
@@ -45,6 +48,22 @@ class AddedParties:
                 self._known[key] = party, channel if until_instant(channel) else step.channel
         return self._known[key]
 
+    def where_done(self, step: Step, party: Party, actors: Sequence[Actor]) -> Party:
+        """A party of a step of the trace, in the place where its actor was; without a place if the system has none
+        there.
+        """
+        name = f"{self._prefix}{party.name}"
+        actor = min(actors, key=lambda one: fit(one, name, party.path), default=None)
+        if actor is None or actor.place is None or fit(actor, name, party.path) >= UNFIT:
+            return party
+        if is_at(Place(party.words, party.span), actor.place):
+            return party
+        trace_step = TraceStep(step.kind, step.channel, None, ((name, party.path),))
+        found, _ = self.of(Added(0, trace_step, actor, party.role))
+        if is_at(Place(found.words, found.span), actor.place):
+            return replaced(party, words=found.words, span=found.span)
+        return replaced(party, span=None)
+
     def _found(self, added: Added) -> Iterator[tuple[int, bool, bool, int, Place, str]]:
         """The places at which a step is offered: how little the component fits, whether it is in another line, and
         whether a delay may last otherwise; and the channel of the event.
@@ -75,4 +94,4 @@ def _offers(event: Event, added: Added) -> bool:
     if step.kind == "time":
         same = event.kind == "time" and is_of_time_out(event.channel) == is_of_time_out(step.channel)
         return same and duration_of(event.channel) in (None, duration_of(step.channel))
-    return event.kind in ("external", "sample") and event.channel == step.channel
+    return event.kind in ("external", "sample", "communication") and event.channel == step.channel

@@ -25,6 +25,7 @@ from cspdiag.simulate.run.package import LoadedPackage
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import STANDSTILLS
 from cspdiag.verify.guided.result import GuidedRun
+from cspdiag.verify.guided.script import Actor
 from cspdiag.verify.replay.gates import Conductor, Gate, Interruption
 from cspdiag.verify.replay.rest import Resting, resting
 from cspdiag.verify.replay.result import Judge, Replay
@@ -34,6 +35,7 @@ from cspdiag.verify.runs.memory import memory
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.reachable import reachable_names
 from cspdiag.verify.runs.recurrence import counting_to_faults
+from cspdiag.verify.runs.task_places import TaskPlaces
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
 from cspdiag.verify.runs.values import Values
 from cspdiag.verify.runs.waiting import where_instead
@@ -76,6 +78,8 @@ class Attempt:
         self._rest: Resting | None = None
         self._done = 0
         self._passed: dict[int, str] = {}
+        self._places = TaskPlaces()
+        self._actors: dict[int, tuple[Actor, ...]] = {}
         self.cycle = 0
         """The number of steps of processes before those that can be repeated."""
         self._round_from: int | None = None
@@ -122,6 +126,7 @@ class Attempt:
             judgement=judgement,
             added=added,
             passed=self._passed,
+            actors=self._actors,
             round_from=self._round_from,
         )
 
@@ -162,7 +167,10 @@ class Attempt:
             self._supply(step)
         self.conductor.done.clear()
         expected = []
+        actors: list[Actor] = []
         for option, candidate in self._taking_part(step):
+            if self._rounds is not None:
+                actors.append(Actor(candidate.path, candidate.names, self._places.of(candidate.task, None)))
             if step.kind == "external" and step.value is None and option.value is not None:
                 self._passed[self._done] = value_text(option.value, self._ports[step.channel].type)
             if isinstance(candidate, Interruption):
@@ -173,6 +181,7 @@ class Attempt:
                 self.conductor.passed[-1].words = until_instant(step.channel)
             expected.append((option.action, option.channel, candidate.task))
             self._settle()
+        self._actors[self._done] = tuple(actors)
         for action, channel, task in expected:
             if action == "ready":
                 self._read_after_guard(channel, task)

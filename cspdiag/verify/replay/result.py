@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 from cspdiag.base.record import EMPTY, record
 from cspdiag.runtime.deadlock import DeadlockReport
-from cspdiag.verify.guided.script import Happened, Standing
+from cspdiag.verify.guided.script import Actor, Happened, Standing
 from cspdiag.verify.replay.rest import Resting
 from cspdiag.verify.replay.rounds import Added
 
@@ -35,6 +35,8 @@ class Replay:
     """Rounds of loops that the trace does not have."""
     passed: Mapping[int, str] = EMPTY
     """What the environment offered, and was given where the trace leaves that open, by the number of the step."""
+    actors: Mapping[int, tuple[Actor, ...]] = EMPTY
+    """Who took part in the steps of the trace, and where, by the number of the step; only if there may be rounds."""
     other: tuple[Happened, ...] = ()
     """What the program did instead, if it has reached another standstill, or does more than the trace before everything
     is repeated.

@@ -185,3 +185,32 @@ assert Main deadlock free
     reported = cspdiag("verify", str(tmp_path / "case.csp")).err
     assert "after 60 steps" in reported
     assert "  2-59  58 more rounds, a 1 … 58  !2  ?3" in reported
+
+
+SAME_VALUES = """
+process Count {
+  out o : int
+  communication { var n : int = 0 }
+  composition {
+    (mu (
+      o ! n ;
+      n := n + 1
+    ) until n == 70) ;
+    o ! 3 ;
+    o ! 5 ;
+    stop
+  }
+}
+assert Count deadlock free
+assert Count terminates
+"""
+
+
+def test_a_value_that_a_later_statement_writes_too_stands_at_the_line_that_wrote_it() -> None:
+    for answer in answers_to({"case.csp": SAME_VALUES}):
+        assert (answer.outcome, answer.replayed) == ("refuted", True)
+        assert answer.counterexample is not None
+        written = [step for step in answer.counterexample.steps if step.channel == "Count.o"]
+        assert [step.value for step in written] == [*map(str, range(70)), "3", "5"]
+        lines = [party.span and party.span.line for step in written for party in step.parties]
+        assert lines == [7] * 70 + [10, 11]
