@@ -16,7 +16,7 @@ typedef struct csp_scenario {
 typedef struct csp_names {
     uint32_t channel_count;
     const char *const *channel_names;
-    const uint16_t *channel_sizes;
+    const uint32_t *channel_sizes;
     uint32_t process_count;
     const char *const *process_names;
     const char *const *process_kinds; /* the definition; "" for a named group */

@@ -243,3 +243,12 @@ def test_channels_are_in_the_order_of_their_first_communication(program: cspdiag
         native_run.signals["feedback_vertical"].time.tolist()
         == (numpy.array(array("q", range(1_000_000, 2_000_000_001, 1_000_000)), dtype=float) * 1e-9).tolist()
     )
+
+
+def test_values_of_more_than_64_kilobytes_are_recorded() -> None:
+    text = """process Main { out x : double[8200] composition { x ! [ELEMENTS] } }
+submodel World { in x : double[8200] }
+environment Bench for Main { world : World x -> world.x }
+""".replace("ELEMENTS", ", ".join(map(str, range(8200))))
+    run = native.simulate(cspdiag.parse(text, "case.csp").network, read_source, options=("-O0",))
+    assert run["x"][0].tolist() == list(range(8200))

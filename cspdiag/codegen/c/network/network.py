@@ -114,7 +114,7 @@ class _NetworkFiles:
             "/* By number: channels and ports, and the sizes of their values; processes and groups. */",
         ]
         rows += ["extern const uint32_t network_channel_count;", "extern const char *const network_channel_names[];"]
-        rows += ["extern const uint16_t network_channel_sizes[];", "extern const uint32_t network_process_count;"]
+        rows += ["extern const uint32_t network_channel_sizes[];", "extern const uint32_t network_process_count;"]
         rows += [
             "extern const char *const network_process_names[];",
             "extern const char *const network_process_kinds[];",

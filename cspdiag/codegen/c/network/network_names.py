@@ -20,7 +20,7 @@ def names_file(network: Network, types: CTypes, described: Mapping[str, ProcessF
     rows = ['#include "network.h"', '#include "csp_arithmetic.h"', '#include "types.h"', "", "#if CSP_TRACE"]
     rows += [f"const uint32_t network_channel_count = {len(channels)}U;"]
     rows += _table("const char *const network_channel_names[]", [quoted(name) for name, _ in channels])
-    rows += _table("const uint16_t network_channel_sizes[]", sizes or ["0"])
+    rows += _table("const uint32_t network_channel_sizes[]", sizes or ["0"])
     rows += ["", "/* Numbers of processes and groups count from 1; a group has no kind. */"]
     rows += [f"const uint32_t network_process_count = {len(processes)}U;"]
     rows += _table("const char *const network_process_names[]", ['""', *(quoted(name) for name, _ in processes)])

@@ -10,7 +10,7 @@ const char *const network_channel_names[] = {
     "Commstime.c",
     "Commstime.d",
 };
-const uint16_t network_channel_sizes[] = {
+const uint32_t network_channel_sizes[] = {
     sizeof(int64_t),
     sizeof(int64_t),
     sizeof(int64_t),

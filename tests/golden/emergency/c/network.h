@@ -31,7 +31,7 @@ extern const csp_program network_program;
 /* By number: channels and ports, and the sizes of their values; processes and groups. */
 extern const uint32_t network_channel_count;
 extern const char *const network_channel_names[];
-extern const uint16_t network_channel_sizes[];
+extern const uint32_t network_channel_sizes[];
 extern const uint32_t network_process_count;
 extern const char *const network_process_names[];
 extern const char *const network_process_kinds[];

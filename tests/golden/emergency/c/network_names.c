@@ -11,7 +11,7 @@ const char *const network_channel_names[] = {
     "Spindle.brake",
     "Spindle.halted",
 };
-const uint16_t network_channel_sizes[] = {
+const uint32_t network_channel_sizes[] = {
     sizeof(enum button),
     sizeof(double),
     sizeof(double),

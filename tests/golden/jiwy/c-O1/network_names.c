@@ -13,7 +13,7 @@ const char *const network_channel_names[] = {
     "Jiwy.control_horizontal",
     "Jiwy.control_vertical",
 };
-const uint16_t network_channel_sizes[] = {
+const uint32_t network_channel_sizes[] = {
     sizeof(double),
     sizeof(double),
     sizeof(int64_t),
