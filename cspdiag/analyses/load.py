@@ -12,6 +12,7 @@ from cspdiag.base import Report, Span
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program
 from cspdiag.network.analyse import Analysis as Checked
+from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import actions_inside, parts
@@ -97,7 +98,7 @@ class _Loads:
 
     def _sequence(self, path: str, steps: tuple[ir.CoreAction, ...]) -> float:
         """The largest share of a sequence: a law that reads a sample begins a period, and later laws that read none run
-        in the same period.
+        in the same period. What comes after a step that never ends does not run.
         """
         largest = present = 0.0
         period: int | None = None
@@ -110,6 +111,8 @@ class _Loads:
                 present = self._action(path, step)
                 period = self.periods.get(inner)
             largest = max(largest, present)
+            if not may_end(step):
+                break
         return largest
 
 

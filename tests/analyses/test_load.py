@@ -46,6 +46,9 @@ def checked(wcet: str, composition: str) -> Checked:
         ("900 us", "mu first || mu second", True, None),
         ("950 us", "mu first || mu second", True, "104"),
         ("300 us", "mu (first ; first ; first) || mu second", True, None),
+        ("950 us", "mu first || (wait 1 s ; mu second)", True, "104"),
+        ("950 us", "mu first || (stop ; mu second)", True, None),
+        ("950 us", "mu first || (mu wait 1 s ; mu second)", True, None),
     ],
 )
 def test_a_program_is_lowered_only_if_its_laws_may_need_more_than_the_processor(
