@@ -141,8 +141,11 @@ def _part(draw: Random, part: Part, channels: list[Channel]) -> Node:
             steps.append(Node(text))
         if draw.random() < 0.15:
             steps.append(Node("wait 1 ms"))
+    loops = steps and draw.random() < 0.15
+    if loops:
+        steps.append(Node("wait 1 ms"))  # Loops that meet in no time would run forever.
     made = Node("", tuple(steps), " ; ") if steps else Node()
-    return Node("(mu {})", (made,)) if steps and draw.random() < 0.15 else Node("({})", (made,))
+    return Node("(mu {})" if loops else "({})", (made,))
 
 
 def _declared(owner: str, found: list[Part], channels: list[Channel], more: list[str] | None = None) -> str:
