@@ -275,7 +275,10 @@ def place_of_wait(task: Task) -> str | None:
     if not frames:
         return None
     code, line = frames[-1].f_code, frames[-1].f_lineno
-    return source_line(code, line) or _source(task) or f"{code.co_filename}:{line}"
+    # A function that only continues another one, because that is nested deeply, may have no places.
+    within = (frame for frame in reversed(frames) if frame.f_code.co_filename == code.co_filename)
+    known = (source_line(frame.f_code, frame.f_lineno) for frame in within)
+    return next(filter(None, known), None) or _source(task) or f"{code.co_filename}:{line}"
 
 
 def _source(task: Task) -> str | None:
