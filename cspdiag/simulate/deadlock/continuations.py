@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from functools import cached_property
-from typing import NamedTuple
 
+from cspdiag.base.record import record
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import (
     Abandon,
@@ -28,7 +28,8 @@ from cspdiag.network.relations import end_key
 from cspdiag.simulate.deadlock.waiting import Offer, WaitingRecord
 
 
-class Use(NamedTuple):
+@record
+class Use:
     """A communication of a process, or of a control law that it runs."""
 
     offer: Offer

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
+from cspdiag.base.record import record
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.relations import end_key
 from cspdiag.semantics.ends import ends_read
 
 
-class Offer(NamedTuple):
+@record
+class Offer:
     """A side of a channel at which a process waits: ``read`` or ``write``."""
 
     channel: str
