@@ -10,6 +10,7 @@ ROOT = Path(__file__).parents[2]
 HEAVY = {"numpy", "networkx", "jinja2", "control", "matplotlib", "scipy", "hypothesis"}
 UNNEEDED_BY_CHECK = {
     "dataclasses",
+    "decimal",
     "inspect",
     "json",
     "pathlib",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from decimal import ROUND_HALF_EVEN, Context, Decimal
-
 
 def duration(nanoseconds: int) -> str:
     """A duration in the largest unit of which it is an integer multiple: ``2 ms``."""
@@ -20,8 +18,10 @@ def in_seconds(nanoseconds: int) -> str:
     return f"{'-' if nanoseconds < 0 else ''}{whole}{fraction} s"
 
 
-def rounded(nanoseconds: float, rounding: str = ROUND_HALF_EVEN) -> str:
+def rounded(nanoseconds: float, rounding: str = "ROUND_HALF_EVEN") -> str:
     """A duration with four digits: ``1.25 ms``; ``rounding`` is one of those of ``decimal``."""
+    from decimal import Context, Decimal
+
     value = Decimal(nanoseconds)
     for unit, exponent in (("s", 9), ("ms", 6), ("us", 3), ("ns", 0)):
         found = Context(prec=4, rounding=rounding).plus(value.scaleb(-exponent))
