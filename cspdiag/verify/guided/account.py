@@ -164,11 +164,7 @@ class _Follower:
         )
 
     def _has_place(self, component: int, event: int, at: str) -> bool:
-        return any(
-            self._is_at(component, state, at)
-            for state in self._reached(component)
-            if any(taken == event for taken, _ in self._edges(component, state))
-        )
+        return any(self._is_at(component, state, at) for state in self._offering(component, event))
 
     def _possible(self, happened: Happened, value: str | None) -> Iterable[int]:
         if happened.action in {"wait", "after"}:
@@ -194,7 +190,15 @@ class _Follower:
         return fit(actor, component.name, component.path)
 
     def _offers(self, component: int, event: int) -> bool:
-        return any(number == event for state in self._reached(component) for number, _ in self._edges(component, state))
+        return any(True for _ in self._offering(component, event))
+
+    def _offering(self, component: int, event: int) -> Iterator[int]:
+        """The states that a component may be in, in which it takes part in an event."""
+        return (
+            state
+            for state in self._reached(component)
+            if any(taken == event for taken, _ in self._edges(component, state))
+        )
 
     def _edges(self, component: int, state: int) -> Sequence[tuple[int, int]]:
         return self._system.components[component].edges[state]
@@ -231,9 +235,7 @@ class _Follower:
 
     def _party(self, number: int, event: int, at: str | None) -> Party:
         component = self._system.components[number]
-        states = [
-            state for state in self._reached(number) if any(taken == event for taken, _ in self._edges(number, state))
-        ]
+        states = self._offering(number, event)
         places = [component.places[state] for state in states if state in component.places]
         place = min(places, key=lambda place: not is_at(place, at), default=Place(""))
         name = component.name.removeprefix(self._prefix)

@@ -35,7 +35,6 @@ from cspdiag.verify.runs.memory import memory
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.reachable import reachable_names
 from cspdiag.verify.runs.recurrence import counting_to_faults
-from cspdiag.verify.runs.task_places import TaskPlaces
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
 from cspdiag.verify.runs.values import Values
 from cspdiag.verify.runs.waiting import where_instead
@@ -78,7 +77,6 @@ class Attempt:
         self._rest: Resting | None = None
         self._done = 0
         self._passed: dict[int, str] = {}
-        self._places = TaskPlaces()
         self._actors: dict[int, tuple[Actor, ...]] = {}
         self.cycle = 0
         """The number of steps of processes before those that can be repeated."""
@@ -170,7 +168,7 @@ class Attempt:
         actors: list[Actor] = []
         for option, candidate in self._taking_part(step):
             if self._rounds is not None:
-                actors.append(Actor(candidate.path, candidate.names, self._places.of(candidate.task, None)))
+                actors.append(self._rounds.actor(candidate))
             if step.kind == "external" and step.value is None and option.value is not None:
                 self._passed[self._done] = value_text(option.value, self._ports[step.channel].type)
             if isinstance(candidate, Interruption):

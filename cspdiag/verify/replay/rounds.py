@@ -76,6 +76,10 @@ class Rounds:
         """Whether no further attempt is to be made."""
         return self._left_in_all <= 0
 
+    def actor(self, candidate: Gate | Interruption) -> Actor:
+        """The task of a gate, and where it is now."""
+        return Actor(candidate.path, candidate.names, self._places.of(candidate.task, None))
+
     def reach(self, number: int, step: TraceStep) -> None:
         """Lets the processes of the step with this number continue until they can take it, or have ended."""
         for name, path in self._needed(step):
@@ -146,8 +150,7 @@ class Rounds:
         self._left -= 1
         self._left_in_all -= 1
         option = self._option(gate.path, options)
-        actor = Actor(gate.path, gate.names, self._places.of(gate.task, None))
-        added = Added(number, self._step(gate, option), actor, _ROLES.get(option.action, "*"))
+        added = Added(number, self._step(gate, option), self.actor(gate), _ROLES.get(option.action, "*"))
         self._conductor.release(gate, option)
         self._settle()
         if option.action != "ready":
