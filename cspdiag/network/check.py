@@ -12,6 +12,7 @@ from cspdiag.network.elaborate.definitions import arguments_of
 from cspdiag.network.elaborate.definitions_to_shapes import parameter_value
 from cspdiag.network.infer.contexts import Surroundings
 from cspdiag.network.lower import environments, external_bodies
+from cspdiag.network.occurrences import values_by_name
 from cspdiag.network.submodels import classes as submodels
 from cspdiag.syntax import ast
 
@@ -84,8 +85,3 @@ def arguments_of_outermost(
         if value is not None:
             found[parameter] = value
     return found
-
-
-def values_by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:
-    """The values of parameters by their names."""
-    return {node.name.text: value for node, value in values.items() if isinstance(node, ast.Parameter)}

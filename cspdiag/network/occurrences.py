@@ -37,7 +37,7 @@ class Occurrence:
 
     def arguments(self) -> dict[str, Value]:
         """The values of all parameters by name, including derived ones."""
-        return {**_by_name(self.values), **self.derived}
+        return {**values_by_name(self.values), **self.derived}
 
 
 class LawOccurrence:
@@ -71,11 +71,11 @@ class LawOccurrence:
     @property
     def use(self) -> LawUse:
         """The data that the class is made from."""
-        return LawUse(self.definition, _by_name(self.values), self.sample, self.overrides)
+        return LawUse(self.definition, values_by_name(self.values), self.sample, self.overrides)
 
     def arguments(self) -> dict[str, Value]:
         """The values of all parameters by name."""
-        return {**_by_name(self.values), **self.derived}
+        return {**values_by_name(self.values), **self.derived}
 
 
 class Occurrences:
@@ -184,5 +184,6 @@ def instance_names(outermost: Occurrence) -> Iterator[str]:
         pending.extend((f"{prefix}{name}.", child) for name, child in occurrence.children.items())
 
 
-def _by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:
+def values_by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:
+    """The values of parameters by their names, in order."""
     return {node.name.text: value for node, value in values.items() if isinstance(node, ast.Parameter)}

@@ -7,7 +7,6 @@ if all occurrences agree, by any ``time`` parameter with the same value, or else
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TypeAlias, assert_never
 
 from cspdiag.base import Report
@@ -359,8 +358,3 @@ def _is_seconds(nanoseconds: Value | None, seconds: Value) -> bool:
 def _seconds(own: ClassParameter, parameter: ClassParameter) -> Expression:
     value = ParameterValue(type=own.type, name=own.name)
     return FunctionCall(type=parameter.type, function="seconds", arguments=(value,))
-
-
-def by_name(values: Mapping[ast.Node, Value]) -> tuple[tuple[str, Value], ...]:
-    """The values of parameters with their names, in order."""
-    return tuple((node.name.text, value) for node, value in values.items() if isinstance(node, ast.Parameter))

@@ -11,17 +11,17 @@ from cspdiag.base.errors import CspdiagError
 from cspdiag.base.spelling import Speller
 from cspdiag.model.program import Program, Value
 from cspdiag.network.analyse import Analysis
-from cspdiag.network.check import arguments_of_outermost, environments_of, process_of, values_by_name
+from cspdiag.network.check import arguments_of_outermost, environments_of, process_of
 from cspdiag.network.elaborate.vocabulary import Vocabulary
 from cspdiag.network.infer.contexts import Surroundings
 from cspdiag.network.infer.parameter_ranges import with_ranges
 from cspdiag.network.ir.network import CoreNetwork, Network
-from cspdiag.network.lower.classes import Classes, by_name
+from cspdiag.network.lower.classes import Classes
 from cspdiag.network.lower.environments import lower_environment
 from cspdiag.network.lower.external_ports import external_ports
 from cspdiag.network.lower.instances import walk_instances
 from cspdiag.network.lower.setting_paths import of_root, refuse_missing
-from cspdiag.network.occurrences import Occurrences, instance_names
+from cspdiag.network.occurrences import Occurrences, instance_names, values_by_name
 from cspdiag.syntax import ast
 
 
@@ -96,7 +96,7 @@ def lower(
         source=program.main.source.name,
         top=classes.class_of[outermost],
         doc=process.doc,
-        arguments=by_name(values),
+        arguments=tuple(values_by_name(values).items()),
         constants=vocabulary.constants(),
         enums=vocabulary.enums(),
         structs=vocabulary.structs(),

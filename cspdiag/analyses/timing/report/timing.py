@@ -121,7 +121,7 @@ def _analysis(
         key=lambda loop: order.get(loop.name, len(order)),
     )
     partner_work = {one.number: work_of_partners(one, demands, contention, refusals) for one in behaviours}
-    return _Analysis(contention, behaviours, demands, loops if are_loops_known else [], partner_work)
+    return _Analysis(contention, by_number, demands, loops if are_loops_known else [], partner_work)
 
 
 def _advice(
@@ -158,12 +158,12 @@ class _Analysis:
     def __init__(
         self,
         contention: Contention,
-        behaviours: Sequence[Behaviour],
+        behaviours: Mapping[int, Behaviour],
         demands: Demands,
         loops: Sequence[Loop],
         partner_work: Mapping[int, tuple[int, int]],
     ) -> None:
-        self.behaviours = {one.number: one for one in behaviours}
+        self.behaviours = behaviours
         self.demands = demands
         self.contention = contention
         self.loops = loops
