@@ -132,16 +132,19 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def run(given: argparse.Namespace) -> int:
-    """Run the benchmarks that were chosen, and return 0."""
+    """Run the benchmarks that were chosen; returns 0, or 1 if the program of a contestant failed."""
     chosen = [benchmark for benchmark in BENCHMARKS if not given.only or benchmark.name in given.only]
     samples: dict[str, dict[str, list[float]]] = {}
+    failed = False
     for benchmark in chosen:
-        samples[benchmark.name] = measure(benchmark, given.rounds)
-        for line in rows(benchmark, samples[benchmark.name]):
+        measured = measure(benchmark, given.rounds)
+        for line in rows(benchmark, measured):
             print(line, flush=True)
+        samples[benchmark.name] = {name: values for name, values in measured.items() if values}
+        failed |= None in measured.values()
     if given.json is not None:
         Path(given.json).write_text(json.dumps(results(chosen, samples), indent=2) + "\n")
-    return 0
+    return int(failed)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -169,18 +172,23 @@ def _count(text: str) -> int:
     return int(text)
 
 
-def measure(benchmark: Benchmark, rounds: int) -> dict[str, list[float]]:
-    """All samples of a benchmark by contestant; contestants that cannot take part are left out."""
-    samples: dict[str, list[float]] = {name: [] for name in benchmark.contestants}
+def measure(benchmark: Benchmark, rounds: int) -> dict[str, list[float] | None]:
+    """All samples of a benchmark by contestant: none where something that it needs is missing, and None where its
+    program failed, which then is not run again.
+    """
+    samples: dict[str, list[float] | None] = {name: [] for name in benchmark.contestants}
     for _ in range(rounds):
         for name, program in benchmark.contestants.items():
-            samples[name] += run_program(program, benchmark.name)
-    return {name: values for name, values in samples.items() if values}
+            before = samples[name]
+            if before is not None:
+                figures = run_program(program, benchmark.name)
+                samples[name] = None if figures is None else before + figures
+    return samples
 
 
-def run_program(program: str, benchmark: str) -> list[float]:
-    """The figures that one run of a program prints; ``program`` is its name, with arguments that follow the name of the
-    benchmark.
+def run_program(program: str, benchmark: str) -> list[float] | None:
+    """The figures that one run of a program prints, None if it failed; ``program`` is its name, with arguments that
+    follow the name of the benchmark.
     """
     program, *given = program.split()
     root = str(PROGRAMS.parents[1])
@@ -190,23 +198,25 @@ def run_program(program: str, benchmark: str) -> list[float]:
         done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
     except subprocess.TimeoutExpired:
         print(f"  {program} {benchmark}: no answer within 120 s", file=sys.stderr)
-        return []
+        return None
     if done.returncode:
-        print(f"  {program} {benchmark}: {done.stderr.strip().splitlines()[-1:]}", file=sys.stderr)
-        return []
+        reason = "".join(done.stderr.strip().splitlines()[-1:]) or f"exit code {done.returncode}"
+        print(f"  {program} {benchmark}: {reason}", file=sys.stderr)
+        return None
     return [float(line) for line in done.stdout.split()]
 
 
-def rows(benchmark: Benchmark, samples: dict[str, list[float]]) -> Iterator[str]:
+def rows(benchmark: Benchmark, measured: dict[str, list[float] | None]) -> Iterator[str]:
     """The part of the table for one benchmark: medians, and how many times better cspdiag's are than the others."""
     yield f"{benchmark.name}: {benchmark.about}" + (f" (goal: {benchmark.goal})" if benchmark.goal else "")
+    samples = {name: values for name, values in measured.items() if values}
     ours = {name: median(samples[name]) for name in OURS if name in samples}
     for name, values in samples.items():
         figure = median(values)
         ratios = [] if "-O" in name or name.startswith("C") or name in ours else _ratios(benchmark, figure, ours)
         yield f"  {name:10} {figure:12,.4g} {benchmark.unit:6}{''.join(ratios)}".rstrip()
-    for name in benchmark.contestants.keys() - samples.keys():
-        yield f"  {name:10} {'not here':>12}"
+    for name in measured.keys() - samples.keys():
+        yield f"  {name:10} {'failed' if measured[name] is None else 'not here':>12}"
 
 
 def _ratios(benchmark: Benchmark, figure: float, ours: dict[str, float]) -> list[str]:

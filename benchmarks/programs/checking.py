@@ -36,7 +36,7 @@ def nothing_to_read(path: str) -> SourceFile:
     raise FileNotFoundError(path)
 
 
-source = SourceFile("ring.csp", model(size_of(requested_benchmark())))
+source = SourceFile(name="ring.csp", text=model(size_of(requested_benchmark())))
 for _ in range(BATCHES):
     began = time.perf_counter()
     if requested_benchmark().startswith("check"):

@@ -21,7 +21,7 @@ import cspdiag.codegen.c.package.package
 import cspdiag.codegen.python.fast.package
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork, Network
 from cspdiag.optimize import PASSES, Pass, optimize
 from cspdiag.simulate.run.package import LoadedPackage
 
@@ -31,7 +31,7 @@ LONGER = {"python-O0": 1, "python-O1": 3, "python-O1-fused": 30, "c": 200, "c-fu
 """How many times more iterations each target gets, so that each takes some tenths of a second."""
 
 
-def network_of(name: str, settings: dict[str, int]) -> Network:
+def network_of(name: str, settings: dict[str, int]) -> CoreNetwork:
     path = MODELS / "jiwy/jiwy.csp" if name == "jiwy" else NETWORKS / f"{name}.csp"
     texts = {key: str(value) for key, value in settings.items()}
     network = pipeline.build(read_source(str(path)), read_source, settings=texts).network
@@ -43,7 +43,7 @@ def without_fusion(network: Network, passes: Sequence[Pass] = PASSES) -> Network
     return optimize(network, [entry for entry in passes if entry.name != "fuse"])
 
 
-def run_in_python(network: Network, level: int, until: int | None) -> Callable[[], float]:
+def run_in_python(network: CoreNetwork, level: int, until: int | None) -> Callable[[], float]:
     package = LoadedPackage(network.name, pipeline.generate(network, read_source, "python", level))
     build = package.module("network").build
 
@@ -61,7 +61,7 @@ def run_in_python(network: Network, level: int, until: int | None) -> Callable[[
     return run
 
 
-def built_in_c(network: Network, folder: Path) -> Path:
+def built_in_c(network: CoreNetwork, folder: Path) -> Path:
     if shutil.which("cc") is None and shutil.which("gcc") is None:
         sys.exit(0)
     write(folder, pipeline.generate(network, read_source, "c", 1))
@@ -69,7 +69,7 @@ def built_in_c(network: Network, folder: Path) -> Path:
     return folder / f"{network.name}_simulation"
 
 
-def run_in_c(network: Network, folder: Path, until: int | None) -> Callable[[], float]:
+def run_in_c(network: CoreNetwork, folder: Path, until: int | None) -> Callable[[], float]:
     command = [str(built_in_c(network, folder)), *([] if until is None else ["--for", str(until)])]
 
     def run() -> float:
@@ -87,7 +87,7 @@ def write(folder: Path, files: dict[str, str]) -> None:
         (folder / path).write_text(text)
 
 
-def runs_of(network: Network, target: str, folder: Path, until: int | None = None) -> Callable[[], float]:
+def runs_of(network: CoreNetwork, target: str, folder: Path, until: int | None = None) -> Callable[[], float]:
     if target.startswith("c"):
         return run_in_c(network, folder, until)
     return run_in_python(network, int(target[8]), until)
@@ -137,9 +137,11 @@ def measure(name: str, target: str, folder: Path) -> None:
             speed(network_of("closed_loop", {}), target, folder, 2_000_000_000 * longer)
         case ["jiwy"]:
             speed(network_of("jiwy", {}), target, folder, 12_780_000_000, limited=False)
+        case _:
+            sys.exit(f"unknown benchmark: {name}")
 
 
-def times(network: Network, target: str, folder: Path, communications: int) -> None:
+def times(network: CoreNetwork, target: str, folder: Path, communications: int) -> None:
     """Nanoseconds for each operation of the network."""
     run = runs_of(network, target, folder)
     run()
@@ -147,7 +149,7 @@ def times(network: Network, target: str, folder: Path, communications: int) -> N
         report(run() / communications * 1e9)
 
 
-def speed(network: Network, target: str, folder: Path, until: int, *, limited: bool = True) -> None:
+def speed(network: CoreNetwork, target: str, folder: Path, until: int, *, limited: bool = True) -> None:
     """Simulated seconds per second."""
     run = runs_of(network, target, folder, until if limited else None)
     run()
@@ -157,8 +159,8 @@ def speed(network: Network, target: str, folder: Path, until: int, *, limited: b
 
 def main(name: str, target: str) -> None:
     if not target.endswith("-fused"):
-        cspdiag.codegen.c.package.package.optimize = without_fusion  # type: ignore[assignment]
-        cspdiag.codegen.python.fast.package.optimize = without_fusion  # type: ignore[assignment]
+        cspdiag.codegen.c.package.package.optimize = without_fusion  # type: ignore[attr-defined, assignment]
+        cspdiag.codegen.python.fast.package.optimize = without_fusion  # type: ignore[attr-defined, assignment]
     with tempfile.TemporaryDirectory() as folder:
         measure(name, target, Path(folder))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from typing import Any
 
 from timing import BATCHES, leave, report, requested_benchmark, resident
@@ -21,7 +21,7 @@ def store() -> Any:
     return simpy.Store(world, 1)
 
 
-def batches(step: Any, count: int, divisor: int = 1) -> Iterator[Any]:
+def batches(step: Any, count: int, divisor: int = 1) -> Generator[Any, Any, Any]:
     for _ in range(count // 10):
         yield from step()
     for _ in range(BATCHES):
@@ -32,7 +32,7 @@ def batches(step: Any, count: int, divisor: int = 1) -> Iterator[Any]:
     leave()
 
 
-def copies(source: Any, *sinks: Any, added: int = 0) -> Iterator[Any]:
+def copies(source: Any, *sinks: Any, added: int = 0) -> Generator[Any, Any, Any]:
     while True:
         value = yield source.get()
         for sink in sinks:
@@ -42,11 +42,11 @@ def copies(source: Any, *sinks: Any, added: int = 0) -> Iterator[Any]:
 def commstime() -> None:
     a, b, c, d = store(), store(), store(), store()
 
-    def prefix() -> Iterator[Any]:
+    def prefix() -> Generator[Any, Any, Any]:
         yield a.put(0)
         yield from copies(c, a)
 
-    def take() -> Iterator[Any]:
+    def take() -> Generator[Any, Any, Any]:
         yield d.get()
 
     for body in (prefix(), copies(a, b, d), copies(b, c, added=1), batches(take, 5000, 4)):
@@ -56,7 +56,7 @@ def commstime() -> None:
 def ring(size: int = 1000) -> None:
     stores = [store() for _ in range(size)]
 
-    def once() -> Iterator[Any]:
+    def once() -> Generator[Any, Any, Any]:
         yield stores[0].put(1)
         yield stores[-1].get()
 
@@ -66,11 +66,11 @@ def ring(size: int = 1000) -> None:
 
 
 def parallel() -> None:
-    def nothing() -> Iterator[Any]:
+    def nothing() -> Generator[Any, Any, Any]:
         return
         yield
 
-    def both() -> Iterator[Any]:
+    def both() -> Generator[Any, Any, Any]:
         yield world.process(nothing()) & world.process(nothing())
 
     world.process(batches(both, 5000))
@@ -86,7 +86,7 @@ def memory(size: int = 10_000) -> None:
 
 
 def delay(count: int = 3000) -> None:
-    def process(period: int) -> Iterator[Any]:
+    def process(period: int) -> Generator[Any, Any, Any]:
         while True:
             yield world.timeout(period)
 

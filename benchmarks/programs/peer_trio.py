@@ -38,6 +38,8 @@ def main(name: str) -> None:
             trio.run(async_programs.parallel_of_two, parallel, 2000)
         case "memory":
             trio.run(async_programs.memory, channel, parallel, lambda: trio.sleep(0))
+        case _:
+            sys.exit(f"unknown benchmark: {name}")
 
 
 main(requested_benchmark())
