@@ -45,3 +45,12 @@ def test_check_loads_no_heavy_package() -> None:
 
 def test_checking_from_python_loads_no_heavy_package() -> None:
     assert not modules_after("import cspdiag\nassert cspdiag.check('models/jiwy/jiwy.csp') == []") & HEAVY
+
+
+def test_a_proof_loads_neither_the_runtime_nor_what_draws() -> None:
+    loaded = modules_after(
+        "from cspdiag.cli.main import main\n"
+        "assert main(['verify', '--no-cache', '--process', 'Table', 'models/dining/dining.csp']) == 0"
+    )
+    assert "cspdiag.proofs.verdict" in loaded
+    assert not loaded & (HEAVY | {"cspdiag.runtime", "cspdiag.draw", "cspdiag.codegen", "cspdiag.simulate"})

@@ -174,10 +174,10 @@ def _answers(obligations: ProofObligations, arguments: Namespace, read: Reader) 
 
 
 def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
-    from cspdiag.verify.confirm import trace_of
-
     if arguments.trace_out is None:
         return
+    from cspdiag.verify.confirm import trace_of
+
     refuted = next((answer for answer in answers if answer.counterexample is not None), None)
     if refuted is None:
         say(f"cspdiag: nothing was refuted, so {on_one_line(arguments.trace_out)} was not written")
@@ -187,11 +187,11 @@ def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
 
 
 def _draw(arguments: Namespace, answers: Sequence[Answer], obligations: ProofObligations) -> None:
+    if arguments.draw is None:
+        return
     from cspdiag.cli.support.deadlock_picture import write_picture
     from cspdiag.verify.deadlock_picture import deadlock_shown_by
 
-    if arguments.draw is None:
-        return
     found = (answer.counterexample for answer in answers if answer.counterexample is not None)
     drawn = (deadlock_shown_by(each, obligations.network(each.process)) for each in found)
     deadlock = next(filter(None, drawn), None)
