@@ -54,7 +54,7 @@ from .compiled.arithmetic import (
 from .compiled.numbered import numbered
 from .compiled.rendezvous import Alternated, Rendezvous
 from .compiled.routine import Inlined, Numbered, Part, Routine, Steps, end_group, start_group
-from .composition import Rounds, begin_delay, group, now, parallel, prioritized_parallel, stop, wait
+from .composition import Rounds, group, now, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
 from .kernel.durations import ms, nanoseconds, ns, s, seconds, us
 from .kernel.exceptions import (
@@ -70,6 +70,7 @@ from .kernel.exceptions import (
 from .kernel.observer import Observer
 from .kernel.policy import Option, Policy
 from .kernel.scheduler import Task
+from .kernel.timers import begin_delay
 from .network import Network
 from .outcome import Jitter, Outcome
 from .outside.accepted import array, boolean, double, enumeration, integer, record, single, text

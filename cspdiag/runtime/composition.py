@@ -15,11 +15,11 @@ from types import coroutine
 from typing import Any, TypeAlias, TypeVar, cast
 
 from .compiled.routine import Branch, Routine, routine_task
-from .kernel.durations import shown
 from .kernel.exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text, run_is_ended
 from .kernel.party import Party, Waits
 from .kernel.policy import Option
 from .kernel.scheduler import Join, Task, hold, present
+from .kernel.timers import begin_delay
 from .process import Process
 
 T = TypeVar("T")
@@ -243,25 +243,6 @@ def group(label: str, body: Body) -> Generator[Any, Any, None]:
             watcher.group_ended(scheduler.now, path)
 
 
-class _Delay:
-    """A task that waits for an instant."""
-
-    __slots__ = ("_instant", "_task")
-
-    def __init__(self, task: Task, instant: int) -> None:
-        self._task = task
-        self._instant = instant
-
-    def due(self) -> None:
-        self._task.ready_queue.append(self._task.entry)
-
-    def withdraw(self, party: Party) -> bool:
-        return self._task.scheduler.timers.stop(self._instant, self)
-
-    def waits_for(self, party: Party) -> Waits:
-        return ((f"until {shown(self._instant)}", None),)
-
-
 def now() -> int:
     """The present instant, in nanoseconds from the start."""
     return present().now
@@ -281,15 +262,6 @@ def wait(duration: int) -> Generator[None, None, None]:
         yield
     if policy is not None:
         policy.did(task, Option("wait", duration=duration))
-
-
-def begin_delay(task: Task, duration: int) -> None:
-    """Readies ``task`` when ``duration``, which is positive, has passed."""
-    scheduler = task.scheduler
-    instant = scheduler.now + duration
-    delay = _Delay(task, instant)
-    scheduler.timers.begin(instant, delay)
-    task.waiting = delay
 
 
 class _Stop:

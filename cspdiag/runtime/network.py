@@ -29,7 +29,7 @@ from .outcome import Jitter, Outcome
 from .outside.devices import Devices
 from .outside.event_inputs import EventInput
 from .outside.external import Port
-from .outside.instants import Environment, Instants, start
+from .outside.instants import Environment, Instants
 from .outside.sampled_inputs import SampledInput
 from .process import Process
 
@@ -169,29 +169,33 @@ class _Run:
 
     def _in_virtual_time(self) -> Outcome:
         run_ready = self._running()
-        timers = self._scheduler.timers
+        scheduler = self._scheduler
+        timers, heap = scheduler.timers, scheduler.timers.heap
         instants = self._instants
         until = END_OF_TIME if self._until is None else min(self._until, END_OF_TIME)
+        never = until + 1
         root = self._root
-        tick = instants.after(0)
+        tick = instants.after(0) or never
         while True:
             while run_ready():
                 stopping.check()
-            stopping.check()
+            if heap and heap[0] < tick and scheduler.policy is None:
+                scheduler.end_delays(min(tick, never), root)
+            if stopping.signal:
+                stopping.check()
             if root.ended:
                 return self._ended_by_itself()
-            timer = timers.next_instant()
+            timer = timers.next_instant() if heap else None
             if timer is None:
                 awaited_end = instants.awaited_end
                 if (awaited_end is None or awaited_end.waiter is None) and not instants.port_can_have_effect():
                     return self._deadlocked()
-            instant = tick if timer is None or (tick is not None and tick < timer) else timer
-            assert instant is not None
+            instant = tick if timer is None or tick < timer else timer
             if instant > until:
                 return self._limit_reached(until)
-            self._scheduler.now = instant
+            scheduler.now = instant
             if instant == tick:
-                tick = instants.meet(instant)
+                tick = instants.pass_in_virtual_time(tick, never, scheduler, run_ready, root)
             if instant == timer:
                 timers.fall_due(instant)
 
@@ -266,8 +270,7 @@ class _Run:
     def _start(self) -> None:
         self._observe()
         self._devices.open()
-        if self._environment is not None:
-            start(self._environment)
+        self._instants.start()
         for port in self._network.ports:
             if isinstance(port, EventInput) and port.polled:
                 port.start()

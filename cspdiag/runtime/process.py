@@ -58,7 +58,8 @@ class Process(Executed):
         enclosing = self.enclosing = task.process
         task.process = self
         self.runs_now = True
-        self.started(scheduler)
+        if scheduler.watcher is not None or scheduler.policy is not None:
+            self.started(scheduler)
         try:
             await self.run()
         except ProcessError as error:
@@ -75,7 +76,8 @@ class Process(Executed):
             task.process = enclosing
             for end in self.ends:
                 end.close()
-            self.ended(scheduler)
+            if scheduler.watcher is not None:
+                self.ended(scheduler)
         if scheduler.policy is not None:
             compute_first(scheduler.policy, self)
 

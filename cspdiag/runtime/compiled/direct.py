@@ -65,8 +65,11 @@ class DirectScheduler(Scheduler):
                 self._ended(entry, None)
             except BaseException as error:
                 self._ended(entry, error)
-        if len(queue) > FEW:
-            self._run_many(most)
+        self.current = nobody
+        if len(queue) <= FEW:
+            queue.clear()
+            return False
+        self._run_many(most)
         del queue[:most]
         self.current = nobody
         return bool(queue)

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Coroutine, Generator, Iterable, Iterator, Mapping
 from contextvars import ContextVar, Token
+from heapq import heappop
 from itertools import islice
 from typing import Any, Final, Protocol, TypeAlias
 
@@ -27,7 +28,7 @@ from .executed import Executed
 from .party import Entry, Party, ReadyQueue, Waitable, Waits
 from .policy import Option, Policy
 from .stopping import stopping
-from .timers import Timers
+from .timers import Delay, Timers
 
 Priority: TypeAlias = tuple[int, ...]
 """Ranks from the outermost prioritized parallel inwards; the smallest is the most urgent."""
@@ -316,9 +317,12 @@ class Scheduler:
                 self._task_ended(None)
             except BaseException as error:
                 self._task_ended(error)
-        del queue[:most]
         self.current = nobody
-        return bool(queue or self._levels)
+        if len(queue) <= most:
+            queue.clear()
+            return bool(self._levels)
+        del queue[:most]
+        return True
 
     def _run_lower_level(self) -> bool:
         for _, queue in self._levels:
@@ -326,6 +330,29 @@ class Scheduler:
                 self.run_one(queue.popleft())
                 return True
         return False
+
+    def end_delays(self, before: int, root: Task) -> None:
+        """Passes the time until the instant ``before`` while no party is ready, as long as all that happens are single
+        delays that end and what follows from that, and ``root`` has not ended.
+        """
+        timers = self.timers
+        heap, at, queue = timers.heap, timers.at, self.queue
+        while heap and (instant := heap[0]) < before and type(delay := at.get(instant)) is Delay:
+            heappop(heap)
+            del at[instant]
+            self.now = instant
+            entry = delay.task.entry
+            try:
+                next(entry)
+            except StopIteration:
+                self._ended(entry, None)
+            except BaseException as error:
+                self._ended(entry, error)
+            self.current = nobody
+            while (queue or self._levels) and self.run_ready():
+                stopping.check()
+            if stopping.signal or root.ended:
+                return
 
     def run_ready_by(self, policy: Policy) -> bool:
         """Like ``run_ready``, but only one party, which the policy chooses among those of the highest level."""
@@ -364,6 +391,10 @@ class Scheduler:
             self._task_ended(None)
         except BaseException as error:
             self._task_ended(error)
+
+    def _ended(self, entry: Entry, error: BaseException | None) -> None:
+        """The task behind an entry that was resumed has ended."""
+        self._task_ended(error)
 
     def _task_ended(self, error: BaseException | None) -> None:
         """A task has ended; an exception that it raised belongs to the program, unless it ends the run."""

@@ -7,13 +7,15 @@ Inputs: see ``inputs``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from itertools import groupby
 from math import isfinite
+from types import coroutine
 from typing import Any, Generic, TypeAlias
 
 from ..channels.ports import Out, T
 from ..channels.selector import Selector
-from ..kernel.exceptions import Fault
+from ..kernel.exceptions import Cancelled, Fault
 from ..kernel.party import Party
 from ..kernel.scheduler import present
 from .drivers import Driver, Signal
@@ -82,6 +84,20 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         self.latched: Any = None
         self.writer: Party | None = None
 
+    @coroutine
+    def write(self, value: T, /) -> Generator[None, None, None]:
+        """See ``Out.write``: the same in fewer steps for a number that is latched."""
+        scheduler = present()
+        if self.immediate or scheduler.policy is not None or not isinstance(value, float) or not isfinite(value):
+            yield from super().write(value)
+            return
+        task = scheduler.current
+        if task.cancelled:
+            raise Cancelled
+        self.latched = value
+        self.writer = task
+        self.written = True
+
     def offer(self, party: Party, value: T, /) -> bool:
         """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
         if not isinstance(value, float) or not isfinite(value):
@@ -102,32 +118,40 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         """Whether a value will be handed over at a tick."""
         return self.written
 
-    def at_tick(self) -> Callable[[], None]:
-        """What to do at a tick of this run."""
-        return self._ticking(self.line) if type(self.line) is Signal else self.tick
-
-    def _ticking(self, signal: Signal[T]) -> Callable[[], None]:
-        """``tick`` in one step for a signal of an environment."""
-        scheduler = present()
-        note_time, note_value = scheduler.port_log(self.name)
-
-        def tick() -> None:
-            if self.written:
-                self.written = False
-                signal.value = value = self.latched
-                if note_time is not None:
-                    note_time(scheduler.now)
-                    note_value(value)
-                elif scheduler.observe is not None:
-                    scheduler.observe(self.name, value, self.writer, None)
-
-        return tick
-
     def tick(self) -> None:
         """Hands over what was written since the last tick."""
         if self.written:
             self.written = False
             self._hand_over(self.latched, self.writer)
+
+
+def handing_over(outputs: Iterable[SampledOutput[Any]]) -> Iterator[Callable[[], None]]:
+    """What hands over, at a tick of this run, what was written to each output since its last one; in one step for the
+    signals of an environment.
+    """
+    for simulated, group in groupby(outputs, lambda port: type(port.line) is Signal):
+        if simulated:
+            yield _handing_to_signals(list(group))
+        else:
+            yield from [port.tick for port in group]
+
+
+def _handing_to_signals(outputs: Sequence[SampledOutput[Any]]) -> Callable[[], None]:
+    scheduler = present()
+    noted = [(port, port.line, *scheduler.port_log(port.name)) for port in outputs]
+
+    def tick() -> None:
+        for port, signal, note_time, note_value in noted:
+            if port.written:
+                port.written = False
+                signal.value = value = port.latched
+                if note_time is not None:
+                    note_time(scheduler.now)
+                    note_value(value)
+                elif scheduler.observe is not None:
+                    scheduler.observe(port.name, value, port.writer, None)
+
+    return tick
 
 
 class EventOutput(_ExternalOutput[T], Generic[T]):

@@ -6,20 +6,22 @@ outputs are handed over; then timers fall due.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
 from math import gcd, lcm
-from typing import Any, Protocol, TypeAlias
+from typing import Any, NoReturn, Protocol, TypeAlias, cast
 
 from ..kernel.durations import ms
 from ..kernel.exceptions import EnvironmentFailure, fault_of
 from ..kernel.places import raised_by_program, statement_of
+from ..kernel.scheduler import Scheduler, Task
 from ..kernel.stopping import stopping
 from .event_inputs import EventInput
-from .external import EventOutput, Port, SampledOutput
-from .sampled_inputs import SampledEnd, SampledInput
+from .external import EventOutput, Port, SampledOutput, handing_over
+from .sampled_inputs import SampledEnd, SampledInput, sampling
 from .ticks import Ticks
 
-Plan: TypeAlias = tuple[Callable[[], None], ...]
+Actions: TypeAlias = tuple[Callable[[], None], ...]
 
 _REMEMBERED = 1 << 14
 """How many phases are remembered: all of any usual hyperperiod, and a bounded number if the common multiple of the
@@ -44,14 +46,8 @@ class Environment(Protocol):
         ...
 
 
-def start(environment: Environment) -> None:
-    """Evaluates an environment at time 0. Raises EnvironmentFailure with what it raises."""
-    try:
-        environment.start()
-    except BaseException as error:
-        if stopping.ends_run(error):
-            raise
-        raise failure_of(type(environment).__name__, error) from error
+def _nothing(now: int) -> None:
+    """There is no environment to advance."""
 
 
 def failure_of(environment: str, error: BaseException) -> EnvironmentFailure:
@@ -62,22 +58,43 @@ def failure_of(environment: str, error: BaseException) -> EnvironmentFailure:
     return EnvironmentFailure(environment, error, place)
 
 
+def _taking(ports: Iterable[SampledInput[Any] | EventInput[Any]], late: int) -> Iterator[Callable[[], None]]:
+    """What takes values over from inputs, in order."""
+    for is_sampled, group in groupby(ports, lambda port: isinstance(port, SampledInput)):
+        if is_sampled:
+            yield from sampling(cast("Iterable[SampledInput[Any]]", group), late)
+        else:
+            yield from [port.at_grid() for port in cast("Iterable[EventInput[Any]]", group)]
+
+
+class _Phase:
+    """An instant of the hyperperiod.
+
+    ``distance`` is the time to the next one, which is ``following`` if that is known. ``actions`` are what happens
+    after the environment has advanced; None: it is no tick and not on the grid.
+    """
+
+    __slots__ = ("actions", "distance", "following")
+
+    def __init__(self, distance: int, actions: Actions | None) -> None:
+        self.distance = distance
+        self.actions = actions
+        self.following: _Phase | None = None
+
+
 class Instants:
     """Ticks of all periods and the grid of the environment."""
 
     def __init__(self, ports: Sequence[Port], environment: Environment | None) -> None:
         self._ports = tuple(ports)
-        self._advance = None if environment is None else environment.advance
-        self._environment = type(environment).__name__
+        self._environment = environment
+        self._advance: Callable[[int], object] = _nothing if environment is None else environment.advance
         self._sampled = sorted({port.ticks for port in ports if isinstance(port, SampledInput | SampledOutput)})
         self.periods = tuple(dict.fromkeys(ticks.period for ticks in self._sampled))
         self._grid = self._grid_of(environment)
         self._cycles = sorted({*self._sampled, *([Ticks(self._grid)] if self._grid else [])})
         self._hyperperiod = lcm(*(ticks.period for ticks in self._cycles))
-        self._phases: dict[int, tuple[int, Plan | None]] = {}
-        """By the phase of the hyperperiod: the time to the next instant, and what happens at this one; None if nothing
-        does.
-        """
+        self._phases: dict[int, _Phase] = {}
         self._likely_port: Port | None = None
         """The port that was last found to be able to make a process ready."""
         self.awaited_end: SampledEnd[Any] | None = None
@@ -90,19 +107,43 @@ class Instants:
             return gcd(*self.periods) if self.periods else ms
         return 0
 
+    def start(self) -> None:
+        """Evaluates the environment at time 0. Raises EnvironmentFailure with what it raises."""
+        if self._environment is None:
+            return
+        try:
+            self._environment.start()
+        except BaseException as error:
+            self._fail(error)
+        self._advance = self._environment.advance  # Optimized environments replace it at their start.
+
+    def _fail(self, error: BaseException) -> NoReturn:
+        """The environment has raised ``error``."""
+        if stopping.ends_run(error):
+            raise error
+        raise failure_of(type(self._environment).__name__, error) from error
+
     def after(self, instant: int) -> int | None:
         """The next instant after ``instant``."""
         if not self._cycles:
             return None
-        return instant + self._phase(instant % self._hyperperiod)[0]
+        return instant + self._phase(instant % self._hyperperiod).distance
 
-    def _phase(self, phase: int) -> tuple[int, Plan | None]:
+    def _phase(self, phase: int) -> _Phase:
         found = self._phases.get(phase)
         if found is None:
-            found = min([ticks.after(phase) for ticks in self._cycles]) - phase, self._plan(phase)
+            found = _Phase(min([ticks.after(phase) for ticks in self._cycles]) - phase, self._actions(phase))
             if len(self._phases) < _REMEMBERED:
                 self._phases[phase] = found
         return found
+
+    def _after_phase(self, phase: _Phase, next_instant: int) -> _Phase:
+        """The phase after ``phase``, that of ``next_instant``; a phase that is not remembered is not noted either."""
+        position = next_instant % self._hyperperiod
+        following = self._phase(position)
+        if position in self._phases:
+            phase.following = following
+        return following
 
     def periods_at(self, instant: int) -> list[int]:
         """The sample periods whose tick ``instant`` is."""
@@ -115,41 +156,70 @@ class Instants:
         """
         if not self._cycles:
             return None
-        phase = instant % self._hyperperiod
-        distance, plan = self._phases.get(phase) or self._phase(phase)
-        if present and plan is not None and present - instant >= self._cycles[0].period:
-            plan = self._plan(phase, present - instant)
-        if plan is not None:
-            if self._advance is not None:
-                try:
-                    self._advance(instant)
-                except BaseException as error:
-                    if stopping.ends_run(error):
-                        raise
-                    raise failure_of(self._environment, error) from error
-            for action in plan:
+        phase = self._phase(instant % self._hyperperiod)
+        actions = phase.actions
+        if present and actions is not None and present - instant >= self._cycles[0].period:
+            actions = self._actions(instant % self._hyperperiod, present - instant)
+        if actions is not None:
+            try:
+                self._advance(instant)
+            except BaseException as error:
+                self._fail(error)
+            for action in actions:
                 action()
-        return instant + distance
+        return instant + phase.distance
 
-    def _plan(self, phase: int, late: int = 0) -> Plan | None:
+    def pass_in_virtual_time(
+        self, instant: int, end: int, scheduler: Scheduler, run_ready: Callable[[], bool], root: Task
+    ) -> int:
+        """Meets ``instant``, which is on the grid or a tick. Then lets processes run, and meets the next instants, as
+        long as nothing else happens: before ``end``, the program ends, no process waits for a port, a timer falls due
+        or a signal has arrived. Returns the next instant.
+
+        The same as ``meet`` and an iteration of the run, for each instant, in half the time.
+        """
+        advance = self._advance
+        heap = scheduler.timers.heap
+        phase = self._phase(instant % self._hyperperiod)
+        while True:
+            scheduler.now = instant
+            try:
+                advance(instant)
+            except BaseException as error:
+                self._fail(error)
+            for action in phase.actions or ():
+                action()
+            now, instant = instant, instant + phase.distance
+            if heap and heap[0] <= now:
+                return instant
+            while run_ready():
+                stopping.check()
+            if instant >= end or root.ended or stopping.signal or (heap and heap[0] <= instant):
+                return instant
+            awaited = self.awaited_end
+            if (awaited is None or awaited.waiter is None) and not self.port_can_have_effect():
+                return instant
+            phase = phase.following or self._after_phase(phase, instant)
+
+    def _actions(self, phase: int, late: int = 0) -> Actions | None:
         if not any(ticks.at(phase) for ticks in self._cycles):
             return None
-        inputs: list[Callable[[], None]] = []
-        outputs: list[Callable[[], None]] = []
+        inputs: list[SampledInput[Any] | EventInput[Any]] = []
+        outputs: list[SampledOutput[Any]] = []
         for port in self._ports:
             match port:
                 case SampledInput():
                     if port.ticks.at(phase):
-                        inputs.append(port.skip if port.ticks.period <= late else port.at_tick())
+                        inputs.append(port)
                 case EventInput():
                     if port.polled and phase % self._grid == 0 and self._grid > late:
-                        inputs.append(port.at_grid())
+                        inputs.append(port)
                 case SampledOutput():
                     if port.ticks.at(phase) and not port.immediate:
-                        outputs.append(port.at_tick())
+                        outputs.append(port)
                 case EventOutput():
                     pass
-        return (*inputs, *outputs)
+        return (*_taking(inputs, late), *handing_over(outputs))
 
     def port_can_have_effect(self) -> bool:
         """Whether anything at a later instant, except timers, can make a process ready or hand over a value."""

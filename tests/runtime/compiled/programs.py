@@ -31,12 +31,12 @@ class CheckedProgram(Program):
     checked = True
 
 
-def run(*branches: Body, program: type[Program] = Program) -> Outcome:
+def run(*branches: Body, program: type[Program] = Program, until: int | None = None) -> Outcome:
     def body(me: Task) -> Steps:
         me.scheduler.current = me
         yield from parallel(*branches)
 
-    return Network(program(body)).run()
+    return Network(program(body)).run(until=until)
 
 
 def write(me: Task, channel: Rendezvous[Any], value: object) -> Steps:

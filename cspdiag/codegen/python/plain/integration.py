@@ -6,7 +6,19 @@ from collections.abc import Callable, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Name, WholeNumber, call, code, counted_to, infix, own
+from cspdiag.codegen.python.text.code import (
+    PRODUCT,
+    SUM,
+    Code,
+    Constant,
+    Name,
+    WholeNumber,
+    call,
+    code,
+    counted_to,
+    infix,
+    own,
+)
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import For, Function, Statement, Statements, assign, change, return_, unpack
 from cspdiag.codegen.shared.equations import changes, held, needed, signals, uses_time
@@ -109,8 +121,8 @@ class Integration:
                 statements.append(self._evaluated(slopes, [Name(state) for state in states], Name("t")))
         for position, state in enumerate(states):
             k1, k2, k3, k4 = (slopes[position] for slopes in stages)
-            total = infix("+", SUM, Name(k1), _times(WholeNumber(2), k2))
-            total = infix("+", SUM, infix("+", SUM, total, _times(WholeNumber(2), k3)), Name(k4))
+            total = infix("+", SUM, Name(k1), _times(Constant("2.0"), k2))
+            total = infix("+", SUM, infix("+", SUM, total, _times(Constant("2.0"), k3)), Name(k4))
             statements.append(change(state, "+=", infix("*", PRODUCT, Name("sixth"), total)))
         return tuple(statements)
 

@@ -1,7 +1,6 @@
 """The inlined integration of continuous states: one sub-step as plain assignments.
 
-The operations and their order are those of ``-O0``. A factor of two is a float here, which has the same result and is
-multiplied faster.
+The operations and their order are those of ``-O0``.
 """
 
 from __future__ import annotations

@@ -66,8 +66,8 @@ class Bench:
             k4_motor_i, k4_motor_w = self._derivatives(
                 motor_i + h * k3_motor_i, motor_w + h * k3_motor_w, motor_voltage, t + h
             )
-            motor_i += sixth * (k1_motor_i + 2 * k2_motor_i + 2 * k3_motor_i + k4_motor_i)
-            motor_w += sixth * (k1_motor_w + 2 * k2_motor_w + 2 * k3_motor_w + k4_motor_w)
+            motor_i += sixth * (k1_motor_i + 2.0 * k2_motor_i + 2.0 * k3_motor_i + k4_motor_i)
+            motor_w += sixth * (k1_motor_w + 2.0 * k2_motor_w + 2.0 * k3_motor_w + k4_motor_w)
         self.motor_i = finite(motor_i)  # cascade.csp:107
         self.motor_w = finite(motor_w)  # cascade.csp:108
         self.now = now

@@ -54,7 +54,7 @@ class Workshop:
         k2 = self._derivative(wheel_w + half * k1, wheel_voltage, wheel_brake)
         k3 = self._derivative(wheel_w + half * k2, wheel_voltage, wheel_brake)
         k4 = self._derivative(wheel_w + h * k3, wheel_voltage, wheel_brake)
-        wheel_w += sixth * (k1 + 2 * k2 + 2 * k3 + k4)
+        wheel_w += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         self.wheel_w = finite(wheel_w)  # emergency.csp:51
         self.now = now
         self._evaluate()

@@ -114,13 +114,17 @@ class Worn:
                 pan_voltage,
                 tilt_voltage,
             )
-            pan_angle += sixth * (k1_pan_angle + 2 * k2_pan_angle + 2 * k3_pan_angle + k4_pan_angle)
-            pan_speed += sixth * (k1_pan_speed + 2 * k2_pan_speed + 2 * k3_pan_speed + k4_pan_speed)
+            pan_angle += sixth * (
+                k1_pan_angle + 2.0 * k2_pan_angle + 2.0 * k3_pan_angle + k4_pan_angle
+            )
+            pan_speed += sixth * (
+                k1_pan_speed + 2.0 * k2_pan_speed + 2.0 * k3_pan_speed + k4_pan_speed
+            )
             tilt_angle += sixth * (
-                k1_tilt_angle + 2 * k2_tilt_angle + 2 * k3_tilt_angle + k4_tilt_angle
+                k1_tilt_angle + 2.0 * k2_tilt_angle + 2.0 * k3_tilt_angle + k4_tilt_angle
             )
             tilt_speed += sixth * (
-                k1_tilt_speed + 2 * k2_tilt_speed + 2 * k3_tilt_speed + k4_tilt_speed
+                k1_tilt_speed + 2.0 * k2_tilt_speed + 2.0 * k3_tilt_speed + k4_tilt_speed
             )
         self.pan_angle = finite(pan_angle)  # plant.csp:47
         self.pan_speed = finite(pan_speed)  # plant.csp:48

@@ -62,7 +62,7 @@ class Kitchen:
         k2 = self._derivative(chamber_temperature + half * k1, chamber_heater)
         k3 = self._derivative(chamber_temperature + half * k2, chamber_heater)
         k4 = self._derivative(chamber_temperature + h * k3, chamber_heater)
-        chamber_temperature += sixth * (k1 + 2 * k2 + 2 * k3 + k4)
+        chamber_temperature += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         self.chamber_temperature = finite(chamber_temperature)  # watchdog.csp:74
         self.now = now
         self._evaluate()
