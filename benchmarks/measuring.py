@@ -81,6 +81,14 @@ BENCHMARKS = (
         _RECORD,
     ),
     Benchmark("check-cold", "a cold `cspdiag check` of JIWY", "ms", {"cspdiag": "cold_start"}, "at most 120 ms"),
+    Benchmark(
+        "check-server", "`cspdiag check --server` of JIWY, whose server has learned it", "ms",
+        {"cspdiag": "cold_start server"}, "at most 40 ms",
+    ),
+    Benchmark(
+        "check-server-changed", "the same after a change of its main file", "ms",
+        {"cspdiag": "cold_start server changed"},
+    ),
     Benchmark("check-1000", "checking 1000 lines of instances", "ms", _CHECK),
     Benchmark("check-10000", "checking 10 000 lines of instances", "ms", _CHECK, "at most 2500 ms"),
     Benchmark("compile-1000", "compiling 1000 lines of instances to Python", "ms", _CHECK),

@@ -6,8 +6,8 @@ package loads nothing else: classes are imported on first use.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = False
+# Type checkers know the name; the module ``typing`` takes as long to load as the interpreter itself.
 if TYPE_CHECKING:
     from os import PathLike
 

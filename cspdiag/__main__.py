@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import signal
+# The module `signal` takes as long to load as all that asking a server takes.
+import _signal  # type: ignore[import-not-found]
 import sys
 
 
@@ -12,14 +13,31 @@ def main() -> int:
     Ctrl-C ends it without a traceback, also before it has been loaded.
     """
     try:
-        from cspdiag.cli.main import main as run
-
-        code = run()
+        code = _by_server() if "--server" in sys.argv else _by_this_process()
     except KeyboardInterrupt:
         code = 130
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    if _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:
         # While the interpreter shuts down nothing would catch the exception.
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
+    return code
+
+
+def _by_this_process() -> int:
+    from cspdiag.cli.main import main as run
+
+    return run()
+
+
+def _by_server() -> int:
+    """Have a server carry the command out; without one, do it here, and start one for the next time."""
+    from cspdiag.cli.server import client
+
+    if not client.wanted(sys.argv[1:]):
+        return _by_this_process()
+    code = client.answered(sys.argv)
+    if code is None:
+        code = _by_this_process()
+        client.start()
     return code
 
 

@@ -13,6 +13,7 @@ from cspdiag.base.record import EMPTY, node, replaced
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.syntax.parse.nesting import raised_recursion_limit
+from cspdiag.syntax.parser import parse
 
 if TYPE_CHECKING:
     from cspdiag.base.diagnostic import Label
@@ -86,10 +87,17 @@ class ProofObligations:
 
 
 @raised_recursion_limit()
-def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None = None) -> Checked:
+def check(
+    main: SourceFile,
+    read: Reader,
+    overrides: Mapping[str, Value] | None = None,
+    *,
+    parse: Callable[[SourceFile, Report], SourceTree] = parse,
+) -> Checked:
     """Find all errors in a program and the files it imports.
 
-    ``overrides`` replaces the values of constants by name. No program makes it raise an exception.
+    ``overrides`` replaces the values of constants by name; ``parse`` may remember trees. No program makes it raise an
+    exception.
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
@@ -98,7 +106,7 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
     from cspdiag.syntax.parse.soundness import part_without_errors
 
     report = Report()
-    trees = load(main, read, report)
+    trees = load(main, read, report, parse)
     if not trees:
         return Checked(program=None, report=report)
     broken = [found for found in report.diagnostics if not isinstance(found, ImportFailure)]

@@ -54,3 +54,10 @@ def test_a_proof_loads_neither_the_runtime_nor_what_draws() -> None:
     )
     assert "cspdiag.proofs.verdict" in loaded
     assert not loaded & (HEAVY | {"cspdiag.runtime", "cspdiag.draw", "cspdiag.codegen", "cspdiag.simulate"})
+
+
+def test_asking_a_server_loads_almost_nothing() -> None:
+    ask = "from cspdiag.__main__ import main\nfrom cspdiag.cli.server import client\nclient.answered(['check'])"
+    loaded = modules_after(ask) - modules_after("")
+    needed = ("__main__", "cli", "cli.server", "cli.server.client", "cli.server.messages", "cli.server.place")
+    assert loaded - {"__future__", "_socket"} == {"cspdiag", *(f"cspdiag.{name}" for name in needed)}

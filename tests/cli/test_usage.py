@@ -107,7 +107,7 @@ def test_an_internal_error_says_what_to_report(cspdiag: Command, good: Path, mon
     def fail(*_: object) -> None:
         raise KeyError("lost")
 
-    monkeypatch.setattr(check, "check", fail)
+    monkeypatch.setattr(check, "findings", fail)
     result = cspdiag("check", good)
     assert result.code == 3
     assert "Traceback" not in result.err
@@ -119,7 +119,7 @@ def test_ctrl_c_ends_quietly(cspdiag: Command, good: Path, monkeypatch: pytest.M
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(check, "check", interrupt)
+    monkeypatch.setattr(check, "findings", interrupt)
     assert cspdiag("check", good) == (130, "", "")
 
 

@@ -105,6 +105,7 @@ def test_the_benchmarks_run_elsewhere(installed: Installed) -> None:
     for name, shown in (
         ("commstime", "\n  -O1 "),
         ("check-cold", "\n  cspdiag "),
+        ("check-server", "\n  cspdiag "),
         ("prove-controller-4", "\n  cspdiag "),
     ):
         result = installed("cspdiag", "bench", "--only", name, "--rounds", "1")

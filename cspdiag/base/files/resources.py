@@ -32,9 +32,14 @@ def _text(path: str) -> str:
         return file.read()
 
 
+def grammar_file() -> str:
+    """The path of the grammar."""
+    return _place("grammars", "csp.lark")
+
+
 def grammar() -> str:
     """The text of the grammar."""
-    return _text(_place("grammars", "csp.lark"))
+    return _text(grammar_file())
 
 
 def template_folder(target: str) -> Path:
@@ -53,6 +58,11 @@ def third_party(*parts: str) -> str | None:
 def manual_page_file(*parts: str) -> str:
     """The path of a folder of manual pages, or of a page in it."""
     return _place("manual", *parts)
+
+
+def case_study() -> str:
+    """The path of JIWY, the case study."""
+    return _place("models", "jiwy", "jiwy.csp")
 
 
 def benchmark_folder() -> Path:

@@ -8,20 +8,21 @@ from collections.abc import Sequence
 from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
+from cspdiag.cli.server.memory import findings
 from cspdiag.cli.support.diagnostic_formats import FORMATS, show_findings
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError, described
 from cspdiag.cli.support.terminal import say
-from cspdiag.pipeline import check
 
 EXAMPLE = (
     "cspdiag check models/jiwy/jiwy.csp\ncspdiag check --diff controller.csp\ncspdiag check --fix controller.csp\n"
+    "cspdiag check --server --format concise controller.csp\n"
     "cspdiag check --format sarif controller.csp > controller.sarif"
 )
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("files", nargs="+", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument("files", nargs="*", metavar="FILE", help="a program; - reads standard input")
     parser.add_argument(
         "--fix", action="store_true", help="fix what has exactly one sensible correction, in imported files, too"
     )
@@ -29,10 +30,27 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--diff", action="store_true", help="print what --fix would change, and change nothing; exit 1 if it would"
     )
     parser.add_argument("--format", choices=FORMATS, default="text", help="output format (default: text)")
+    # The command has looked for it before it loaded this module.
+    parser.add_argument(
+        "--server",
+        action="store_true",
+        help="have a resident server check, for editors and hooks; it is started if there is none, "
+        "and ends after ten idle minutes (Linux; elsewhere without effect)",
+    )
+    parser.add_argument(
+        "--server-status", action="store_true", help="only show whether a server is running; exit 1 if not"
+    )
+    parser.add_argument("--server-stop", action="store_true", help="only stop the server")
 
 
 def run(arguments: Namespace) -> int:
     """Check every file and show the findings; a file that cannot be read does not prevent checking the others."""
+    if arguments.server_status or arguments.server_stop:
+        from cspdiag.cli.server import control
+
+        return control.stop() if arguments.server_stop else control.show_status()
+    if not arguments.files:
+        raise UsageError("the following arguments are required: FILE (try cspdiag check --help)")
     fixes = arguments.fix or arguments.diff
     if fixes:
         from cspdiag.cli.support.fixing import fix_files, require_free_output
@@ -44,7 +62,7 @@ def run(arguments: Namespace) -> int:
     else:
         found = Report()
         for source in sources:
-            for diagnostic in check(source, read_source).report.diagnostics:
+            for diagnostic in findings(source):
                 found.add(diagnostic)
         show_findings(found.diagnostics, [source.name for source in sources], arguments)
         count = sum(bool(diagnostic.edits) for diagnostic in found.diagnostics)

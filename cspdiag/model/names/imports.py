@@ -12,11 +12,16 @@ from cspdiag.syntax import ast
 from cspdiag.syntax.parser import parse
 
 
-def load(main: SourceFile, read: Callable[[str], SourceFile], report: Report) -> list[ast.SourceTree]:
+def load(
+    main: SourceFile,
+    read: Callable[[str], SourceFile],
+    report: Report,
+    parse: Callable[[SourceFile, Report], ast.SourceTree] = parse,
+) -> list[ast.SourceTree]:
     """Parse a program and everything it imports, each file once; the main file comes first.
 
     ``read`` is called with the path of an imported file, relative to the same folder as the name of the main file, and
-    raises OSError if it cannot read it. Files that cannot be parsed are left out.
+    raises OSError if it cannot read it. ``parse`` gives the tree of a file. Files that cannot be parsed are left out.
     """
     trees: dict[str, ast.SourceTree | None] = {main.name: parse(main, report)}
     # The files from the main file to the present one, each with its imports that have not been followed yet.
