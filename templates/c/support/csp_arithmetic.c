@@ -175,6 +175,14 @@ double csp_real_fails(void)
     return 0.0;
 }
 
+void csp_finite_at(double value, const char *place)
+{
+    if (!csp_is_finite(value)) {
+        (void)csp_real_fails();
+        (void)csp_fault_at(place);
+    }
+}
+
 void csp_finite_fails(double value, const char *port)
 {
     note(csp_describe_not_finite, (csp_operands){{0, 0, 0}, value, port});

@@ -338,6 +338,15 @@ static inline double csp_real(double value)
     return isfinite(value) ? value : csp_real_fails();
 }
 
+/* Whether a value is neither infinite nor a NaN. A sum is finite only if its terms are: one test is enough for several values, unless it fails. */
+static inline bool csp_is_finite(double value)
+{
+    return isfinite(value) != 0;
+}
+
+/* Notes a fault with its place for an infinity or a NaN. */
+void csp_finite_at(double value, const char *place);
+
 void csp_finite_fails(double value, const char *port);
 
 /* Notes the fault that a variable was read before it was written. */

@@ -10,7 +10,7 @@
 
 static int64_t grid;      /* the period at which the environment is evaluated and event inputs are polled; 0: none */
 static int64_t next_grid; /* INT64_MAX: none */
-static int64_t next_tick; /* of a port or the grid */
+int64_t csp_next_tick;
 
 /* A range of numbers of ports, without its end, that includes all inputs or all latched outputs. */
 typedef struct range {
@@ -100,7 +100,7 @@ void csp_instants_begin(const csp_program *program)
 {
     grid = grid_of(program);
     next_grid = (grid > 0) ? grid : INT64_MAX;
-    next_tick = next_grid;
+    csp_next_tick = next_grid;
     inputs.to = 0U;
     outputs.to = 0U;
     for (uint32_t index = 0U; index < program->port_count; index++) {
@@ -113,72 +113,66 @@ void csp_instants_begin(const csp_program *program)
             /* This port has no instants. */
         }
         if (period_of(port) > 0) {
-            next_tick = earlier(next_tick, tick_of(port));
+            csp_next_tick = earlier(csp_next_tick, tick_of(port));
         }
     }
 }
 
-int64_t csp_instants_next(void)
+/* If several ticks have passed, only the last one reads the device: a late sample does not belong to the earlier instants. Returns the next tick of
+ * an input; INT64_MAX: none. */
+static int64_t inputs_meet(const csp_program *program, int64_t instant, int64_t present)
 {
-    return earlier(next_tick, csp_timer_next());
-}
-
-/* If several ticks have passed, only the last one reads the device: a late sample does not belong to the earlier instants. */
-static void inputs_meet(const csp_program *program, int64_t instant, int64_t present)
-{
-    const bool polls = (next_grid == instant) && (tick_after(next_grid, grid) > present);
+    int64_t next = INT64_MAX;
     for (uint32_t index = inputs.from; index < inputs.to; index++) {
         const csp_port *const port = &program->ports[index];
         if (port->kind == CSP_PORT_SAMPLED) {
             csp_sampled_input *const input = (csp_sampled_input *)(void *)port->medium;
             if (input->next == instant) {
-                input->next = tick_after(input->next, input->period);
+                input->next = tick_after(instant, input->period);
                 if (input->next > present) {
                     csp_sampled_tick(input);
                 } else {
                     csp_sampled_skip(input);
                 }
             }
-            next_tick = earlier(next_tick, input->next);
-        } else if ((port->kind == CSP_PORT_EVENT) && polls) {
+            next = earlier(next, input->next);
+        } else if ((port->kind == CSP_PORT_EVENT) && (next_grid == instant) && (tick_after(instant, grid) > present)) {
             csp_event_poll((csp_event_input *)(void *)port->medium);
         } else {
             /* This port has no instant now. */
         }
     }
+    return next;
 }
 
-static void outputs_meet(const csp_program *program, int64_t instant)
+static int64_t outputs_meet(const csp_program *program, int64_t instant)
 {
+    int64_t next = INT64_MAX;
     for (uint32_t index = outputs.from; index < outputs.to; index++) {
         const csp_port *const port = &program->ports[index];
         if (port->kind == CSP_PORT_LATCHED) {
             csp_latched_output *const output = (csp_latched_output *)(void *)port->medium;
             if (output->next == instant) {
-                output->next = tick_after(output->next, output->period);
+                output->next = tick_after(instant, output->period);
                 csp_latched_tick(output);
             }
-            next_tick = earlier(next_tick, output->next);
+            next = earlier(next, output->next);
         }
     }
+    return next;
 }
 
-bool csp_instants_meet(const csp_program *program, int64_t instant, int64_t present)
+bool csp_ticks_meet(const csp_program *program, int64_t instant, int64_t present)
 {
-    csp.now = instant;
-    if (instant == next_tick) {
-        if ((program->environment != NULL) && (program->environment->advance != NULL) &&
-            !program->environment->advance(instant)) {
-            return false;
-        }
-        next_tick = INT64_MAX;
-        inputs_meet(program, instant, present);
-        if (next_grid == instant) {
-            next_grid = tick_after(next_grid, grid);
-        }
-        outputs_meet(program, instant);
-        next_tick = earlier(next_tick, next_grid);
+    if ((program->environment != NULL) && (program->environment->advance != NULL) &&
+        !program->environment->advance(instant)) {
+        return false;
     }
-    csp_timers_fall_due(instant);
+    const int64_t next_input = inputs_meet(program, instant, present);
+    if (next_grid == instant) {
+        next_grid = tick_after(instant, grid);
+    }
+    const int64_t next_output = outputs_meet(program, instant);
+    csp_next_tick = earlier(earlier(next_input, next_output), next_grid);
     return true;
 }

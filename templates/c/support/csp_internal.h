@@ -3,6 +3,7 @@
 #define CSP_INTERNAL_H
 
 #include "csp.h"
+#include "csp_shared.h"
 
 /* ---- Scheduler ---- */
 
@@ -81,8 +82,12 @@ int64_t csp_after(int64_t duration);
 void csp_timer_begin(csp_timer *timer, int64_t instant);
 /* Returns false if the timer was not running. */
 bool csp_timer_stop(csp_timer *timer);
+extern csp_timer *csp_earliest; /* NULL: none */
 /* The instant of the earliest timer; INT64_MAX: none. */
-int64_t csp_timer_next(void);
+static inline int64_t csp_timer_next(void)
+{
+    return (csp_earliest == NULL) ? INT64_MAX : csp_earliest->instant;
+}
 void csp_timers_fall_due(int64_t instant);
 void csp_timers_reset(void);
 
@@ -160,16 +165,50 @@ bool csp_event_can_come(const csp_event_input *port, bool interrupts);
 
 /* Determines the ports that have instants. */
 void csp_instants_begin(const csp_program *program);
-/* The next instant of a tick, of the grid or of a timer; INT64_MAX: none. */
-int64_t csp_instants_next(void);
-/* Executes an instant; `present` is the time that has already passed. Returns false if the environment has failed. */
-bool csp_instants_meet(const csp_program *program, int64_t instant, int64_t present);
+extern int64_t csp_next_tick; /* of a port or the grid; INT64_MAX: none */
+/* Executes this tick; `present` is the time that has already passed. Returns false if the environment has failed. */
+bool csp_ticks_meet(const csp_program *program, int64_t instant, int64_t present);
+
+/* The next instant of a tick or a timer; INT64_MAX: none. */
+static inline int64_t csp_instants_next(void)
+{
+    const int64_t timer = csp_timer_next();
+    return (csp_next_tick < timer) ? csp_next_tick : timer;
+}
+
+/* Executes an instant, as csp_ticks_meet. */
+static inline bool csp_instants_meet(const csp_program *program, int64_t instant, int64_t present)
+{
+    csp.now = instant;
+    if ((instant == csp_next_tick) && !csp_ticks_meet(program, instant, present)) {
+        return false;
+    }
+    csp_timers_fall_due(instant);
+    return true;
+}
 /* To be called before the run: from then on the outputs have to be released. */
 void csp_begin_driving(const csp_program *program);
 
+extern volatile bool csp_closed;                 /* only safe values are written */
+extern const csp_medium *volatile csp_called;    /* for reports: the port whose device function is being called; NULL: none */
+
 /* Call device functions. After the outputs have been released, writes are ignored. */
-bool csp_device_read(const csp_medium *port, const csp_driver *driver, void *value);
-void csp_device_write(const csp_medium *port, const csp_driver *driver, const void *value);
+static inline bool csp_device_read(const csp_medium *port, const csp_driver *driver, void *value)
+{
+    CSP_NOTE(csp_called, port);
+    const bool came = driver->read(driver->device, value);
+    CSP_NOTE(csp_called, NULL);
+    return came;
+}
+
+static inline void csp_device_write(const csp_medium *port, const csp_driver *driver, const void *value)
+{
+    if ((driver->write != NULL) && !CSP_LOAD(csp_closed)) {
+        CSP_NOTE(csp_called, port);
+        driver->write(driver->device, value);
+        CSP_NOTE(csp_called, NULL);
+    }
+}
 
 /* The calls of device functions in progress, as another thread sees them. */
 typedef struct csp_calls {

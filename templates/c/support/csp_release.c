@@ -4,19 +4,19 @@
 
 static const csp_program *volatile driving; /* the program whose outputs are not released; NULL: none */
 static volatile uint32_t next_port;         /* the next port to get its safe value */
-static volatile bool closed;                /* only safe values are written */
-static const csp_medium *volatile called;   /* the port whose device function is being called; NULL: none */
+volatile bool csp_closed;
+const csp_medium *volatile csp_called;
 
 void csp_begin_driving(const csp_program *program)
 {
     CSP_STORE(next_port, 0U);
-    CSP_STORE(closed, false);
+    CSP_STORE(csp_closed, false);
     CSP_STORE(driving, program);
 }
 
 void csp_forget_outputs(void)
 {
-    CSP_STORE(closed, true);
+    CSP_STORE(csp_closed, true);
     CSP_STORE(driving, NULL);
 }
 
@@ -27,30 +27,8 @@ bool csp_is_driving(void)
 
 csp_calls csp_calls_now(void)
 {
-    const csp_calls calls = {CSP_LOAD(driving), CSP_LOAD(called), CSP_LOAD(closed), CSP_LOAD(next_port)};
+    const csp_calls calls = {CSP_LOAD(driving), CSP_LOAD(csp_called), CSP_LOAD(csp_closed), CSP_LOAD(next_port)};
     return calls;
-}
-
-bool csp_device_read(const csp_medium *port, const csp_driver *driver, void *value)
-{
-    CSP_NOTE(called, port);
-    const bool came = driver->read(driver->device, value);
-    CSP_NOTE(called, NULL);
-    return came;
-}
-
-/* First announces the write, then checks whether it is allowed. A thread that releases the outputs first sets `closed`, then checks whether a write is
- * in progress. */
-void csp_device_write(const csp_medium *port, const csp_driver *driver, const void *value)
-{
-    if (driver->write == NULL) {
-        return;
-    }
-    CSP_STORE(called, port);
-    if (!CSP_LOAD(closed)) {
-        driver->write(driver->device, value);
-    }
-    CSP_STORE_AFTER(called, NULL);
 }
 
 static void release_port(const csp_port *port)
@@ -65,9 +43,9 @@ static void release_port(const csp_port *port)
         driver = &((const csp_direct_output *)(const void *)port->medium)->driver;
     }
     if (driver->write != NULL) {
-        CSP_NOTE(called, port->medium);
+        CSP_NOTE(csp_called, port->medium);
         driver->write(driver->device, port->safe);
-        CSP_NOTE(called, NULL);
+        CSP_NOTE(csp_called, NULL);
     }
     csp_observe_release(port->medium->number, port->safe);
 }
@@ -79,7 +57,7 @@ void csp_release_outputs(void)
     if (program == NULL) {
         return;
     }
-    CSP_STORE(closed, true);
+    CSP_STORE(csp_closed, true);
     for (uint32_t index = CSP_COUNT(next_port); index < program->port_count; index = CSP_COUNT(next_port)) {
         release_port(&program->ports[index]);
     }

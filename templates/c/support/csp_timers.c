@@ -1,7 +1,7 @@
 /* Timers: a pairing heap of nodes that are owned by their users. */
 #include "csp_internal.h"
 
-static csp_timer *root;
+csp_timer *csp_earliest;
 static uint64_t begun;
 
 static bool comes_before(const csp_timer *one, const csp_timer *other)
@@ -9,7 +9,7 @@ static bool comes_before(const csp_timer *one, const csp_timer *other)
     return (one->instant < other->instant) || ((one->instant == other->instant) && (one->begun < other->begun));
 }
 
-/* Merges two heaps, neither of which has siblings. */
+/* Merges two heaps: the later one becomes the first child of the earlier one, whose own links stay as they are. */
 static csp_timer *meld(csp_timer *one, csp_timer *other)
 {
     csp_timer *parent = one;
@@ -24,8 +24,6 @@ static csp_timer *meld(csp_timer *one, csp_timer *other)
         parent->child->previous = child;
     }
     parent->child = child;
-    parent->sibling = NULL;
-    parent->previous = NULL;
     return parent;
 }
 
@@ -46,20 +44,23 @@ static csp_timer *meld_siblings(csp_timer *first)
         pair->sibling = pairs;
         pairs = pair;
     }
-    csp_timer *heap = NULL;
-    while (pairs != NULL) {
-        csp_timer *const pair = pairs;
-        pairs = pair->sibling;
-        pair->sibling = NULL;
-        pair->previous = NULL;
-        heap = (heap == NULL) ? pair : meld(heap, pair);
+    csp_timer *heap = pairs;
+    if (heap != NULL) {
+        pairs = heap->sibling;
+        while (pairs != NULL) {
+            csp_timer *const pair = pairs;
+            pairs = pair->sibling;
+            heap = meld(heap, pair);
+        }
+        heap->sibling = NULL;
+        heap->previous = NULL;
     }
     return heap;
 }
 
 void csp_timers_reset(void)
 {
-    root = NULL;
+    csp_earliest = NULL;
     begun = 0U;
 }
 
@@ -68,14 +69,18 @@ int64_t csp_after(int64_t duration)
     return (duration < (INT64_MAX - csp.now)) ? (csp.now + duration) : (INT64_MAX - 1);
 }
 
-static void take_out(csp_timer *timer)
+static csp_timer *take_earliest(void)
+{
+    csp_timer *const timer = csp_earliest;
+    timer->runs = false;
+    csp_earliest = meld_siblings(timer->child);
+    return timer;
+}
+
+static void take_later(csp_timer *timer)
 {
     timer->runs = false;
     csp_timer *const below = meld_siblings(timer->child);
-    if (timer == root) {
-        root = below;
-        return;
-    }
     if (timer->previous->child == timer) {
         timer->previous->child = timer->sibling;
     } else {
@@ -85,7 +90,7 @@ static void take_out(csp_timer *timer)
         timer->sibling->previous = timer->previous;
     }
     if (below != NULL) {
-        root = meld(root, below);
+        csp_earliest = meld(csp_earliest, below);
     }
 }
 
@@ -94,13 +99,19 @@ bool csp_timer_stop(csp_timer *timer)
     if (!timer->runs) {
         return false;
     }
-    take_out(timer);
+    if (timer == csp_earliest) {
+        (void)take_earliest();
+    } else {
+        take_later(timer);
+    }
     return true;
 }
 
 void csp_timer_begin(csp_timer *timer, int64_t instant)
 {
-    (void)csp_timer_stop(timer); /* a timer is in the heap at most once */
+    if (timer->runs) {
+        (void)csp_timer_stop(timer); /* a timer is in the heap at most once */
+    }
     timer->instant = instant;
     timer->begun = begun;
     begun++;
@@ -108,19 +119,13 @@ void csp_timer_begin(csp_timer *timer, int64_t instant)
     timer->sibling = NULL;
     timer->previous = NULL;
     timer->runs = true;
-    root = (root == NULL) ? timer : meld(root, timer);
-}
-
-int64_t csp_timer_next(void)
-{
-    return (root == NULL) ? INT64_MAX : root->instant;
+    csp_earliest = (csp_earliest == NULL) ? timer : meld(csp_earliest, timer);
 }
 
 void csp_timers_fall_due(int64_t instant)
 {
-    while ((root != NULL) && (root->instant <= instant)) {
-        csp_timer *const timer = root;
-        take_out(timer);
+    while ((csp_earliest != NULL) && (csp_earliest->instant <= instant)) {
+        csp_timer *const timer = take_earliest();
         if (timer->party != NULL) {
             csp_ready(timer->party);
         } else {
@@ -140,12 +145,6 @@ csp_progress csp_wait(csp_party *party, csp_timer *timer, int64_t duration)
     timer->party = party;
     csp_timer_begin(timer, csp_after(duration));
     return CSP_WAITS;
-}
-
-csp_progress csp_wait_again(csp_party *party)
-{
-    (void)party;
-    return CSP_DONE;
 }
 
 csp_progress csp_stop(csp_party *party)

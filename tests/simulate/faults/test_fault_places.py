@@ -63,6 +63,12 @@ STATEMENTS = {
         "der n =\n    n * 1e12<1/s>",
         "der m = 1<1/s>\n  der o = 2<1/s>\n  y = n + m + o",
     ),
+    "infinite next among others": (
+        "state m : double = 0\n  state n : double = 1e300\n  state o : double = 0",
+        "next n =\n    n * 1e12",
+        "next m = m + 1\n  next o = o + 2\n  y = n + m + o",
+    ),
+    "output after an infinite one": ("state n : double = 1e300", "next n =\n    n * 1e12", "y = 2.0 * n"),
     "derivative among others": (
         "state m : double = 0\n  state n : double = 0\n  state o : double = 0",
         "der n =\n    1<1/s> * double(int(1 / int(x - 1)))",

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import Code, address, call
+from cspdiag.codegen.c.text.code import OR, SUM, Code, address, call, code, infix, negated
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
-from cspdiag.codegen.c.text.statements import Plain, Statement, define, run, store
+from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, run, store
 from cspdiag.codegen.shared.equations import Equation
+from cspdiag.model.types import RealType
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
-from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.expressions import Expression, FunctionCall
 
 Check = Callable[[str], list[Plain]]
 """From the place of a statement to the statements that check for a fault after it."""
@@ -51,14 +52,52 @@ class EquationWriter:
         return [*evaluation.setup, set_to(target, evaluation.code, place), *fault_check]
 
     def equations(self, equations: Sequence[Equation], target: Callable[[str], Target]) -> list[Statement]:
-        """All equations; ``target`` gives the left-hand side for a signal."""
+        """All equations; ``target`` gives the left-hand side for a signal.
+
+        Values that have to be finite are tested together, before the next equation that can fault in another way: until
+        then nothing but the signals of the law has changed.
+        """
         statements: list[Statement] = []
-        for equation in equations:
-            if isinstance(equation, ExternalCall):
-                statements += self.call(equation, target)
-            else:
-                statements += self.assign(target(equation.name), equation.value, self.place(equation))
+        tested: list[tuple[Code, str]] = []
+        for group in self._groups(equations):
+            together = len([item for item in group if self._tested_part(item) is not None]) > 1
+            for equation in group:
+                if isinstance(equation, ExternalCall):
+                    statements += self.call(equation, target)
+                    continue
+                place, variable = self.place(equation), target(equation.name)
+                part = self._tested_part(equation) if together else None
+                statements += self.assign(variable, equation.value if part is None else part, place)
+                if part is not None:
+                    tested.append((code(variable.name) if isinstance(variable, LocalVariable) else variable, place))
+            if tested:
+                statements += check_finite_together(tested, self.check)
+                tested = []
         return statements
+
+    def _groups(self, equations: Sequence[Equation]) -> list[list[Equation]]:
+        """Successive equations that cannot fault, or only because their value is not finite; others are alone."""
+        groups: list[list[Equation]] = []
+        alone = True
+        for equation in equations:
+            faults = isinstance(equation, ExternalCall) or (
+                self._tested_part(equation) is None and self.printer.faults(equation.value)
+            )
+            if faults or alone:
+                groups.append([])
+            groups[-1].append(equation)
+            alone = faults
+        return groups
+
+    def _tested_part(self, equation: Equation) -> Expression | None:
+        """The value of an equation that can fault only because this is not finite; None for other equations."""
+        if isinstance(equation, ExternalCall):
+            return None
+        value = equation.value
+        if not (isinstance(value, FunctionCall) and value.function == "finite" and isinstance(value.type, RealType)):
+            return None
+        (part,) = value.arguments
+        return None if value.type.bits != 64 or self.printer.faults(part) else part
 
     def call(self, called: ExternalCall, target: Callable[[str], Target]) -> list[Statement]:
         """A nested body in C: its inputs, one run, its outputs."""
@@ -85,3 +124,22 @@ def record_fault_place(place: str) -> list[Plain]:
     callers check.
     """
     return [run(call("csp_fault_in", quoted(place)))] if place else []
+
+
+def check_finite_together(
+    values: Sequence[tuple[Code, str]], check: Check, *, may_have_faulted: bool = False
+) -> list[Statement]:
+    """The check that all of several values are finite: one test, and those of each only if that fails.
+
+    ``values`` have the place at which the fault of each is reported. ``may_have_faulted`` if a fault may have been
+    noted before.
+    """
+    total, last = values[0][0], values[-1][1]
+    for value, _ in values[1:]:
+        total = infix("+", SUM, total, value)
+    doubtful = negated(call("csp_is_finite", total))
+    if may_have_faulted:
+        doubtful = infix("||", OR, call("csp_faulted"), doubtful)
+    each = [run(call("csp_finite_at", value, quoted(place))) for value, place in values]
+    remark = Remark("A sum is finite only if its terms are.") if len(values) > 1 else None
+    return [*([remark] if remark else []), *choose(doubtful, [*each, *check(last)])]

@@ -10,7 +10,7 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, record_fault_place
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
 from cspdiag.codegen.c.laws.laws import body_name
-from cspdiag.codegen.c.text.code import PRODUCT, Code, call, cast, code, infix
+from cspdiag.codegen.c.text.code import PRODUCT, Code, cast, code, infix
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.names import Names, identifier
 from cspdiag.codegen.c.text.statements import Block, Statement, define, store
@@ -191,13 +191,8 @@ class _Run:
             statements.append(define("const int64_t", "steps", sub_steps(sample, float(action.step))))
             statements.append(define("const double", "h", infix("/", PRODUCT, sample, cast("double", count))))
         statements += integration.steps(self.printer.signal, count)
-        for state in integration.states:
-            integrated = code(integration.local(state))
-            statements += [
-                store(integrated, call("csp_real", integrated)),
-                *record_fault_place(self._state_place(state)),
-            ]
-        statements[-1:] = [*self.check(self._state_place(integration.states[-1])), *following]
+        places = [self._state_place(state) for state in integration.states]
+        statements += [*integration.check(places, self.check), *following]
         for state in integration.states:
             integrated = code(integration.local(state))
             single = self.types_of[state] == RealType(32)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable
+from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, check_finite_together
 from cspdiag.codegen.c.text.code import (
     PRODUCT,
     SUM,
@@ -71,7 +71,8 @@ class Integration:
     def can_fault(self) -> bool:
         """Whether the evaluation of the slopes can fault."""
         values = [value for _, value in self.derivatives]
-        return any(may_fault(value) for value in (*values, *(equation.value for equation in self.equations)))
+        values += [equation.value for equation in self.equations]
+        return any(map(may_fault, values)) or bool(PartsByType(values).of(VariableValue))
 
     @property
     def has_several_states(self) -> bool:
@@ -157,6 +158,11 @@ class Integration:
         if count is None:
             return [*statements, *body]
         return [*statements, For(Atom("step"), count, tuple(body), type_name="int64_t")]
+
+    def check(self, places: Sequence[str], check: Check) -> list[Statement]:
+        """The check after the steps that all states are finite; ``places`` are those of their faults."""
+        values = [code(self.local(state)) for state in self.states]
+        return check_finite_together(list(zip(values, places, strict=True)), check, may_have_faulted=self.can_fault)
 
     def _slope(self, stage: str, state: str) -> Code:
         return code(stage).field(self.local(state)) if self.has_several_states else code(stage)

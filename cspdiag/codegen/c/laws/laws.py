@@ -339,10 +339,8 @@ class LawFiles:
         count = own(_STEPS) if self._sub_steps else None
         statements: list[Statement] = [define("const double", "h", step)]
         statements += self._integration.steps(printer.signal, count)
-        for name in self._continuous:
-            integrated = code(self.members[name])
-            statements += [store(integrated, call("csp_real", integrated)), *record_fault_place(places[name])]
-        return [*statements[:-1], *self._writer(printer).check(places[self._continuous[-1]])]
+        check = self._writer(printer).check
+        return [*statements, *self._integration.check([places[name] for name in self._continuous], check)]
 
     def _state_updates(self) -> list[Statement]:
         """The assignments of continuous states, which follow those of the discrete ones: nothing can fault then."""

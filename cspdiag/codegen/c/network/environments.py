@@ -295,12 +295,7 @@ class EnvironmentFiles:
             statements.append(define("const double", "h", infix("/", PRODUCT, interval, cast("double", count))))
         statements += self._integration.steps(printer.signal, count)
         states = self._integration.states
-        for state in states:
-            variable = code(self._members[state])
-            statements += [store(variable, call("csp_real", variable)), *record_fault_place(places[state])]
-        if states:
-            recorded = run(ignored(call("csp_fault_at", quoted(places[states[-1]]))))
-            statements[-1:] = choose(code("csp_faulted()"), [recorded, return_value("false")])
+        statements += self._integration.check([places[state] for state in states], self._writer(printer).check)
         for state in states:
             single = self.types.type_name(self._signal_types[state]) == "float"
             variable = code(self._members[state])

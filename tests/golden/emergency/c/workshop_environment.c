@@ -87,10 +87,9 @@ static bool workshop_environment_advance(int64_t now)
     const double k3 = workshop_environment_slopes(wheel_w + half * k2, wheel_voltage, wheel_brake);
     const double k4 = workshop_environment_slopes(wheel_w + h * k3, wheel_voltage, wheel_brake);
     wheel_w += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    wheel_w = csp_real(wheel_w);
-    if (csp_faulted()) {
-        (void)csp_fault_at("emergency.csp:51");
-        return false;
+    if (csp_faulted() || !csp_is_finite(wheel_w)) {
+        csp_finite_at(wheel_w, "emergency.csp:51");
+        CSP_CHECK_LAW("emergency.csp:51");
     }
     plant.wheel_w = wheel_w;
     plant.now = now;

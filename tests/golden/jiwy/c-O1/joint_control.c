@@ -44,22 +44,25 @@ static bool joint_control_align_l_velocity_calculate(struct joint_control *self)
     /* laws.csp:106 */
     const double i = self->alignL_velocity_ui + self->alignL_velocity_sample * 2.2 * error;
     const double sum = self->alignKp * error + i; /* laws.csp:107 */
-    self->alignL_velocity_control = csp_real(csp_limit(sum, -1.5, 1.5)); /* laws.csp:109 */
-    CSP_CHECK_LAW("laws.csp:109");
+    self->alignL_velocity_control = csp_limit(sum, -1.5, 1.5); /* laws.csp:109 */
     /* laws.csp:115 */
     const bool pressing = (fabs(velocity) < 0.1) && (self->alignL_velocity_control * -1.0 > 0.9);
     /* laws.csp:116 */
     const double held =
         pressing ? self->alignL_velocity_pressed + self->alignL_velocity_sample : 0.0;
     self->alignL_velocity_stop = held >= 0.1; /* laws.csp:118 */
-    const double filtered_next = csp_real(velocity); /* laws.csp:112 */
-    CSP_CHECK_LAW("laws.csp:112");
+    const double filtered_next = velocity; /* laws.csp:112 */
     /* laws.csp:113 */
-    const double ui_next =
-        csp_real((sum == self->alignL_velocity_control) ? i : self->alignL_velocity_ui);
-    CSP_CHECK_LAW("laws.csp:113");
-    const double pressed_next = csp_real(held); /* laws.csp:117 */
-    CSP_CHECK_LAW("laws.csp:117");
+    const double ui_next = (sum == self->alignL_velocity_control) ? i : self->alignL_velocity_ui;
+    const double pressed_next = held; /* laws.csp:117 */
+    /* A sum is finite only if its terms are. */
+    if (!csp_is_finite(self->alignL_velocity_control + filtered_next + ui_next + pressed_next)) {
+        csp_finite_at(self->alignL_velocity_control, "laws.csp:109");
+        csp_finite_at(filtered_next, "laws.csp:112");
+        csp_finite_at(ui_next, "laws.csp:113");
+        csp_finite_at(pressed_next, "laws.csp:117");
+        CSP_CHECK_LAW("laws.csp:117");
+    }
     self->alignL_velocity_moving = true; /* laws.csp:110 */
     self->alignL_velocity_last = self->alignL_velocity_feedback; /* laws.csp:111 */
     self->alignL_velocity_filtered = filtered_next; /* laws.csp:112 */
@@ -90,22 +93,25 @@ static bool joint_control_align_r_velocity_calculate(struct joint_control *self)
     /* laws.csp:106 */
     const double i = self->alignR_velocity_ui + self->alignR_velocity_sample * 2.2 * error;
     const double sum = self->alignKp * error + i; /* laws.csp:107 */
-    self->alignR_velocity_control = csp_real(csp_limit(sum, -1.5, 1.5)); /* laws.csp:109 */
-    CSP_CHECK_LAW("laws.csp:109");
+    self->alignR_velocity_control = csp_limit(sum, -1.5, 1.5); /* laws.csp:109 */
     /* laws.csp:115 */
     const bool pressing = (fabs(velocity) < 0.1) && (self->alignR_velocity_control > 0.9);
     /* laws.csp:116 */
     const double held =
         pressing ? self->alignR_velocity_pressed + self->alignR_velocity_sample : 0.0;
     self->alignR_velocity_stop = held >= 0.1; /* laws.csp:118 */
-    const double filtered_next = csp_real(velocity); /* laws.csp:112 */
-    CSP_CHECK_LAW("laws.csp:112");
+    const double filtered_next = velocity; /* laws.csp:112 */
     /* laws.csp:113 */
-    const double ui_next =
-        csp_real((sum == self->alignR_velocity_control) ? i : self->alignR_velocity_ui);
-    CSP_CHECK_LAW("laws.csp:113");
-    const double pressed_next = csp_real(held); /* laws.csp:117 */
-    CSP_CHECK_LAW("laws.csp:117");
+    const double ui_next = (sum == self->alignR_velocity_control) ? i : self->alignR_velocity_ui;
+    const double pressed_next = held; /* laws.csp:117 */
+    /* A sum is finite only if its terms are. */
+    if (!csp_is_finite(self->alignR_velocity_control + filtered_next + ui_next + pressed_next)) {
+        csp_finite_at(self->alignR_velocity_control, "laws.csp:109");
+        csp_finite_at(filtered_next, "laws.csp:112");
+        csp_finite_at(ui_next, "laws.csp:113");
+        csp_finite_at(pressed_next, "laws.csp:117");
+        CSP_CHECK_LAW("laws.csp:117");
+    }
     self->alignR_velocity_moving = true; /* laws.csp:110 */
     self->alignR_velocity_last = self->alignR_velocity_feedback; /* laws.csp:111 */
     self->alignR_velocity_filtered = filtered_next; /* laws.csp:112 */
@@ -155,27 +161,35 @@ static bool joint_control_motion_control_servo_calculate(struct joint_control *s
     /* laws.csp:77 */
     const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
     /* laws.csp:78 */
-    self->motionControl_servo_control =
-        csp_real(csp_limit(supply * pid_output + assistance, -12.0, supply));
-    CSP_CHECK_LAW("laws.csp:78");
+    self->motionControl_servo_control = csp_limit(supply * pid_output + assistance, -12.0, supply);
     /* laws.csp:80 */
     const double standing = (fabs(
                 self->motionControl_servo_reference - self->motionControl_servo_feedback)
             < self->gains.tolerance)
         ? self->motionControl_servo_arrived + self->motionControl_servo_sample
         : 0.0;
-    const double profile_last_next = csp_real(profile_angle); /* laws.csp:39 */
-    CSP_CHECK_LAW("laws.csp:39");
-    const double pid_e1_next = csp_real(pid_error); /* laws.csp:20 */
-    CSP_CHECK_LAW("laws.csp:20");
-    const double pid_ud_next = csp_real(pid_d); /* laws.csp:21 */
-    CSP_CHECK_LAW("laws.csp:21");
+    const double profile_last_next = profile_angle; /* laws.csp:39 */
+    const double pid_e1_next = pid_error; /* laws.csp:20 */
+    const double pid_ud_next = pid_d; /* laws.csp:21 */
     /* laws.csp:22 */
-    const double pid_ui_next =
-        csp_real((pid_sum == pid_output) ? pid_i : self->motionControl_servo_pid_ui);
-    CSP_CHECK_LAW("laws.csp:22");
-    const double arrived_next = csp_real(standing); /* laws.csp:81 */
-    CSP_CHECK_LAW("laws.csp:81");
+    const double pid_ui_next = (pid_sum == pid_output) ? pid_i : self->motionControl_servo_pid_ui;
+    const double arrived_next = standing; /* laws.csp:81 */
+    /* A sum is finite only if its terms are. */
+    if (!csp_is_finite(
+            self->motionControl_servo_control
+                + profile_last_next
+                + pid_e1_next
+                + pid_ud_next
+                + pid_ui_next
+                + arrived_next)) {
+        csp_finite_at(self->motionControl_servo_control, "laws.csp:78");
+        csp_finite_at(profile_last_next, "laws.csp:39");
+        csp_finite_at(pid_e1_next, "laws.csp:20");
+        csp_finite_at(pid_ud_next, "laws.csp:21");
+        csp_finite_at(pid_ui_next, "laws.csp:22");
+        csp_finite_at(arrived_next, "laws.csp:81");
+        CSP_CHECK_LAW("laws.csp:81");
+    }
     self->motionControl_servo_profile_moving = true; /* laws.csp:38 */
     self->motionControl_servo_profile_last = profile_last_next; /* laws.csp:39 */
     self->motionControl_servo_pid_e1 = pid_e1_next; /* laws.csp:20 */
@@ -223,27 +237,35 @@ static bool joint_control_homing_servo_calculate(struct joint_control *self)
     /* laws.csp:77 */
     const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
     /* laws.csp:78 */
-    self->homing_servo_control =
-        csp_real(csp_limit(supply * pid_output + assistance, -12.0, supply));
-    CSP_CHECK_LAW("laws.csp:78");
+    self->homing_servo_control = csp_limit(supply * pid_output + assistance, -12.0, supply);
     /* laws.csp:80 */
     const double standing =
         (fabs(self->homing_servo_reference - self->homing_servo_feedback) < self->gains.tolerance)
             ? self->homing_servo_arrived + self->homing_servo_sample
             : 0.0;
     self->homing_servo_stop = standing >= 0.1; /* laws.csp:82 */
-    const double profile_last_next = csp_real(profile_angle); /* laws.csp:39 */
-    CSP_CHECK_LAW("laws.csp:39");
-    const double pid_e1_next = csp_real(pid_error); /* laws.csp:20 */
-    CSP_CHECK_LAW("laws.csp:20");
-    const double pid_ud_next = csp_real(pid_d); /* laws.csp:21 */
-    CSP_CHECK_LAW("laws.csp:21");
+    const double profile_last_next = profile_angle; /* laws.csp:39 */
+    const double pid_e1_next = pid_error; /* laws.csp:20 */
+    const double pid_ud_next = pid_d; /* laws.csp:21 */
     /* laws.csp:22 */
-    const double pid_ui_next =
-        csp_real((pid_sum == pid_output) ? pid_i : self->homing_servo_pid_ui);
-    CSP_CHECK_LAW("laws.csp:22");
-    const double arrived_next = csp_real(standing); /* laws.csp:81 */
-    CSP_CHECK_LAW("laws.csp:81");
+    const double pid_ui_next = (pid_sum == pid_output) ? pid_i : self->homing_servo_pid_ui;
+    const double arrived_next = standing; /* laws.csp:81 */
+    /* A sum is finite only if its terms are. */
+    if (!csp_is_finite(
+            self->homing_servo_control
+                + profile_last_next
+                + pid_e1_next
+                + pid_ud_next
+                + pid_ui_next
+                + arrived_next)) {
+        csp_finite_at(self->homing_servo_control, "laws.csp:78");
+        csp_finite_at(profile_last_next, "laws.csp:39");
+        csp_finite_at(pid_e1_next, "laws.csp:20");
+        csp_finite_at(pid_ud_next, "laws.csp:21");
+        csp_finite_at(pid_ui_next, "laws.csp:22");
+        csp_finite_at(arrived_next, "laws.csp:81");
+        CSP_CHECK_LAW("laws.csp:81");
+    }
     self->homing_servo_profile_moving = true; /* laws.csp:38 */
     self->homing_servo_profile_last = profile_last_next; /* laws.csp:39 */
     self->homing_servo_pid_e1 = pid_e1_next; /* laws.csp:20 */

@@ -125,12 +125,10 @@ static bool worn_environment_evaluate(void)
     const double time = csp_seconds(plant.now);
     /* plant.csp:49 */
     const double pan_encoder =
-        csp_real(csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts));
-    CSP_CHECK_LAW("plant.csp:49");
+        csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts);
     /* plant.csp:49 */
     const double tilt_encoder =
-        csp_real(csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts));
-    CSP_CHECK_LAW("plant.csp:49");
+        csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts);
     const double hand_phase = 2.0 * CSP_PI * 0.4 * time; /* plant.csp:74 */
     const double hand_x = 0.5 * csp_sin(hand_phase); /* plant.csp:75 */
     const double hand_y = 0.5 * csp_cos(hand_phase); /* plant.csp:76 */
@@ -138,11 +136,18 @@ static bool worn_environment_evaluate(void)
     const int64_t hand_buttons = (((time >= 2.0) && (time < 2.2)) || (time >= 15.0)) ? 2 : 0;
     plant.feedback_horizontal = pan_encoder; /* jiwy.csp:196 */
     plant.feedback_vertical = tilt_encoder; /* jiwy.csp:197 */
-    plant.joystick_horizontal = csp_real(hand_x); /* jiwy.csp:198 */
-    CSP_CHECK_LAW("jiwy.csp:198");
-    plant.joystick_vertical = csp_real(hand_y); /* jiwy.csp:199 */
-    CSP_CHECK_LAW("jiwy.csp:199");
+    plant.joystick_horizontal = hand_x; /* jiwy.csp:198 */
+    plant.joystick_vertical = hand_y; /* jiwy.csp:199 */
     plant.joystick_buttons[0] = hand_buttons; /* jiwy.csp:200 */
+    /* A sum is finite only if its terms are. */
+    if (!csp_is_finite(
+            pan_encoder + tilt_encoder + plant.joystick_horizontal + plant.joystick_vertical)) {
+        csp_finite_at(pan_encoder, "plant.csp:49");
+        csp_finite_at(tilt_encoder, "plant.csp:49");
+        csp_finite_at(plant.joystick_horizontal, "jiwy.csp:198");
+        csp_finite_at(plant.joystick_vertical, "jiwy.csp:199");
+        CSP_CHECK_LAW("jiwy.csp:199");
+    }
     return true;
 }
 
@@ -218,16 +223,13 @@ static bool worn_environment_advance(int64_t now)
         tilt_speed +=
             sixth * (k1.tilt_speed + 2.0 * k2.tilt_speed + 2.0 * k3.tilt_speed + k4.tilt_speed);
     }
-    pan_angle = csp_real(pan_angle);
-    csp_fault_in("plant.csp:47");
-    pan_speed = csp_real(pan_speed);
-    csp_fault_in("plant.csp:48");
-    tilt_angle = csp_real(tilt_angle);
-    csp_fault_in("plant.csp:47");
-    tilt_speed = csp_real(tilt_speed);
-    if (csp_faulted()) {
-        (void)csp_fault_at("plant.csp:48");
-        return false;
+    /* A sum is finite only if its terms are. */
+    if (csp_faulted() || !csp_is_finite(pan_angle + pan_speed + tilt_angle + tilt_speed)) {
+        csp_finite_at(pan_angle, "plant.csp:47");
+        csp_finite_at(pan_speed, "plant.csp:48");
+        csp_finite_at(tilt_angle, "plant.csp:47");
+        csp_finite_at(tilt_speed, "plant.csp:48");
+        CSP_CHECK_LAW("plant.csp:48");
     }
     plant.pan_angle = pan_angle;
     plant.pan_speed = pan_speed;

@@ -125,12 +125,10 @@ static bool bench_environment_evaluate(void)
     const double time = csp_seconds(plant.now);
     /* plant.csp:49 */
     const double pan_encoder =
-        csp_real(csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts));
-    CSP_CHECK_LAW("plant.csp:49");
+        csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts);
     /* plant.csp:49 */
     const double tilt_encoder =
-        csp_real(csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts));
-    CSP_CHECK_LAW("plant.csp:49");
+        csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts);
     /* plant.csp:57 */
     const double hand_stick = ((time < 7.5) || (time >= 12.5))
         ? 0.0
@@ -145,6 +143,12 @@ static bool bench_environment_evaluate(void)
     plant.joystick_horizontal = hand_x; /* jiwy.csp:177 */
     plant.joystick_vertical = hand_y; /* jiwy.csp:178 */
     plant.joystick_buttons[0] = hand_buttons; /* jiwy.csp:179 */
+    /* A sum is finite only if its terms are. */
+    if (!csp_is_finite(pan_encoder + tilt_encoder)) {
+        csp_finite_at(pan_encoder, "plant.csp:49");
+        csp_finite_at(tilt_encoder, "plant.csp:49");
+        CSP_CHECK_LAW("plant.csp:49");
+    }
     return true;
 }
 
@@ -220,16 +224,13 @@ static bool bench_environment_advance(int64_t now)
         tilt_speed +=
             sixth * (k1.tilt_speed + 2.0 * k2.tilt_speed + 2.0 * k3.tilt_speed + k4.tilt_speed);
     }
-    pan_angle = csp_real(pan_angle);
-    csp_fault_in("plant.csp:47");
-    pan_speed = csp_real(pan_speed);
-    csp_fault_in("plant.csp:48");
-    tilt_angle = csp_real(tilt_angle);
-    csp_fault_in("plant.csp:47");
-    tilt_speed = csp_real(tilt_speed);
-    if (csp_faulted()) {
-        (void)csp_fault_at("plant.csp:48");
-        return false;
+    /* A sum is finite only if its terms are. */
+    if (csp_faulted() || !csp_is_finite(pan_angle + pan_speed + tilt_angle + tilt_speed)) {
+        csp_finite_at(pan_angle, "plant.csp:47");
+        csp_finite_at(pan_speed, "plant.csp:48");
+        csp_finite_at(tilt_angle, "plant.csp:47");
+        csp_finite_at(tilt_speed, "plant.csp:48");
+        CSP_CHECK_LAW("plant.csp:48");
     }
     plant.pan_angle = pan_angle;
     plant.pan_speed = pan_speed;

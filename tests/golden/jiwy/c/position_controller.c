@@ -62,25 +62,33 @@ bool position_controller_calculate(struct position_controller *self)
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
     /* laws.csp:77 */
     const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
-    /* laws.csp:78 */
-    self->control = csp_real(csp_limit(supply * pid_output + assistance, -supply, supply));
-    CSP_CHECK_LAW("laws.csp:78");
+    self->control = csp_limit(supply * pid_output + assistance, -supply, supply); /* laws.csp:78 */
     /* laws.csp:80 */
     const double standing = (fabs(self->reference - self->feedback) < self->gains.tolerance)
         ? self->arrived + self->sample
         : 0.0;
     self->stop = standing >= self->dwell; /* laws.csp:82 */
-    const double profile_last_next = csp_real(profile_angle); /* laws.csp:39 */
-    CSP_CHECK_LAW("laws.csp:39");
-    const double pid_e1_next = csp_real(pid_error); /* laws.csp:20 */
-    CSP_CHECK_LAW("laws.csp:20");
-    const double pid_ud_next = csp_real(pid_d); /* laws.csp:21 */
-    CSP_CHECK_LAW("laws.csp:21");
-    /* laws.csp:22 */
-    const double pid_ui_next = csp_real((pid_sum == pid_output) ? pid_i : self->pid_ui);
-    CSP_CHECK_LAW("laws.csp:22");
-    const double arrived_next = csp_real(standing); /* laws.csp:81 */
-    CSP_CHECK_LAW("laws.csp:81");
+    const double profile_last_next = profile_angle; /* laws.csp:39 */
+    const double pid_e1_next = pid_error; /* laws.csp:20 */
+    const double pid_ud_next = pid_d; /* laws.csp:21 */
+    const double pid_ui_next = (pid_sum == pid_output) ? pid_i : self->pid_ui; /* laws.csp:22 */
+    const double arrived_next = standing; /* laws.csp:81 */
+    /* A sum is finite only if its terms are. */
+    if (!csp_is_finite(
+            self->control
+                + profile_last_next
+                + pid_e1_next
+                + pid_ud_next
+                + pid_ui_next
+                + arrived_next)) {
+        csp_finite_at(self->control, "laws.csp:78");
+        csp_finite_at(profile_last_next, "laws.csp:39");
+        csp_finite_at(pid_e1_next, "laws.csp:20");
+        csp_finite_at(pid_ud_next, "laws.csp:21");
+        csp_finite_at(pid_ui_next, "laws.csp:22");
+        csp_finite_at(arrived_next, "laws.csp:81");
+        CSP_CHECK_LAW("laws.csp:81");
+    }
     self->profile_moving = true; /* laws.csp:38 */
     self->profile_last = profile_last_next; /* laws.csp:39 */
     self->pid_e1 = pid_e1_next; /* laws.csp:20 */

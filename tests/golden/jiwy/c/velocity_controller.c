@@ -40,20 +40,24 @@ bool velocity_controller_calculate(struct velocity_controller *self)
     const double error = self->speed - velocity; /* laws.csp:105 */
     const double i = self->ui + self->sample * self->ki * error; /* laws.csp:106 */
     const double sum = self->kp * error + i; /* laws.csp:107 */
-    self->control = csp_real(csp_limit(sum, -self->pressure, self->pressure)); /* laws.csp:109 */
-    CSP_CHECK_LAW("laws.csp:109");
+    self->control = csp_limit(sum, -self->pressure, self->pressure); /* laws.csp:109 */
     /* laws.csp:115 */
     const bool pressing = (fabs(velocity) < 0.1 * fabs(self->speed))
         && (self->control * csp_sign(self->speed) > self->effort);
     const double held = pressing ? self->pressed + self->sample : 0.0; /* laws.csp:116 */
     self->stop = held >= self->dwell; /* laws.csp:118 */
     self->max = self->feedback; /* laws.csp:119 */
-    const double filtered_next = csp_real(velocity); /* laws.csp:112 */
-    CSP_CHECK_LAW("laws.csp:112");
-    const double ui_next = csp_real((sum == self->control) ? i : self->ui); /* laws.csp:113 */
-    CSP_CHECK_LAW("laws.csp:113");
-    const double pressed_next = csp_real(held); /* laws.csp:117 */
-    CSP_CHECK_LAW("laws.csp:117");
+    const double filtered_next = velocity; /* laws.csp:112 */
+    const double ui_next = (sum == self->control) ? i : self->ui; /* laws.csp:113 */
+    const double pressed_next = held; /* laws.csp:117 */
+    /* A sum is finite only if its terms are. */
+    if (!csp_is_finite(self->control + filtered_next + ui_next + pressed_next)) {
+        csp_finite_at(self->control, "laws.csp:109");
+        csp_finite_at(filtered_next, "laws.csp:112");
+        csp_finite_at(ui_next, "laws.csp:113");
+        csp_finite_at(pressed_next, "laws.csp:117");
+        CSP_CHECK_LAW("laws.csp:117");
+    }
     self->moving = true; /* laws.csp:110 */
     self->last = self->feedback; /* laws.csp:111 */
     self->filtered = filtered_next; /* laws.csp:112 */
