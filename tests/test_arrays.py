@@ -58,7 +58,7 @@ def test_checks_take_the_same_for_each_element(name: str) -> None:
     ("name", "target", "level"),
     [
         *((name, target, 0) for name in ("ring", "workers", "star") for target in ("python", "c")),
-        ("workers", "python", 1),
+        *((name, target, 1) for name in ("ring", "workers", "star") for target in ("python", "c")),
     ],
 )
 def test_generators_take_the_same_for_each_element(name: str, target: str, level: int) -> None:

@@ -227,10 +227,11 @@ def signature(head: str, parameters: Sequence[str], tail: str = "") -> list[str]
 def lines(statements: Iterable[Statement], depth: int = 0) -> list[str]:
     """The text of statements, as lines."""
     items = list(statements)
-    return [line for position, item in enumerate(items) for line in _lines(item, depth, items[position + 1 :])]
+    return [line for position, item in enumerate(items) for line in _lines(item, depth, items, position + 1)]
 
 
-def _lines(statement: Statement, depth: int, following: Sequence[Statement]) -> Iterator[str]:
+def _lines(statement: Statement, depth: int, items: Sequence[Statement], following: int) -> Iterator[str]:
+    """The lines of a statement; those of ``items`` from position ``following`` on come after it."""
     indent = INDENT * depth
     match statement:
         case Remark(text=text):
@@ -243,7 +244,7 @@ def _lines(statement: Statement, depth: int, following: Sequence[Statement]) -> 
             yield from signature(head, parameters)
             yield from lines([Block(body)])
         case Label(name=name):
-            yield f"{INDENT * (depth - 1)}{name}:{'' if _is_labelled(following) else ';'}"
+            yield f"{INDENT * (depth - 1)}{name}:{'' if _is_labelled(items, following) else ';'}"
         case State(name=name):
             yield f"{INDENT * (depth - 1)}case {name}:"
         case Plain():
@@ -283,9 +284,12 @@ def _lines(statement: Statement, depth: int, following: Sequence[Statement]) -> 
             assert_never(statement)
 
 
-def _is_labelled(following: Sequence[Statement]) -> bool:
-    """Whether the first of the statements can be labelled; a declaration cannot, and an empty list has none."""
-    first = next((item for item in following if not isinstance(item, Remark | Blank)), None)
+def _is_labelled(items: Sequence[Statement], start: int) -> bool:
+    """Whether the first statement from position ``start`` on can be labelled; a declaration cannot, and at the end
+    there is none.
+    """
+    rest = (items[position] for position in range(start, len(items)))
+    first = next((item for item in rest if not isinstance(item, Remark | Blank)), None)
     return first is not None and not isinstance(first, Directive) and not (isinstance(first, Plain) and first.declares)
 
 

@@ -24,10 +24,12 @@ from cspdiag.codegen.python.text.code import (
     Argument,
     Call,
     Code,
+    Comprehension,
     Name,
     Parenthesized,
     WholeNumber,
     call,
+    counted_from,
     delegated,
     infix,
     infix_all,
@@ -35,9 +37,8 @@ from cspdiag.codegen.python.text.code import (
     minus,
     negated,
 )
-from cspdiag.codegen.python.text.rolling import template
+from cspdiag.codegen.python.text.rolling import alike_runs
 from cspdiag.codegen.python.text.statements import YIELD, Block, Statement, Statements, assign, else_, if_, run
-from cspdiag.codegen.shared.trees import LEAST
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.faults import is_known_at_start, may_fault
 
@@ -68,7 +69,7 @@ class Alternatives(Values):
     def _choice(self, choice: ir.Choice) -> Statements:
         name = choice.name or self.spelling.names.fresh("choice")
         branches = choice.branches
-        guards = [Argument(self._guard(branch.event, self.initial, made=True)) for branch in branches]
+        guards = self._arguments([self._guard(branch.event, self.initial, made=True) for branch in branches])
         if choice.prioritized and len(branches) > 1:
             guards.append(Argument(TRUE, "prioritized"))
         self.choices[name] = Call(Name(self.imports.runtime("Alternative")), tuple(guards))
@@ -77,6 +78,16 @@ class Alternatives(Values):
         if self._is_inline(choice):
             return (self.comment(choice), *self._selection(choice, attribute, local))
         return (self.comment(choice), *self._slow_selection(choice, local))
+
+    def _arguments(self, guards: Sequence[Code]) -> list[Argument]:
+        """The guards of an alternative; those that count are a comprehension."""
+        index = self.spelling.members.index
+        return [
+            Argument(Comprehension(guard, index, counted_from(start, turns), "()"), starred=True)
+            if turns > 1
+            else Argument(guard)
+            for start, turns, guard in alike_runs(guards, index)
+        ]
 
     def _is_inline(self, choice: ir.Choice) -> bool:
         for branch in choice.branches:
@@ -183,17 +194,13 @@ class Alternatives(Values):
             yield from bodies[0]
             return
         k = self.spelling["k"]
-        alike = template(bodies, k.text) if len(bodies) >= LEAST else None
-        if alike is not None:
-            yield from alike
-            return
-        for index, (branch, body) in enumerate(zip(branches, bodies, strict=True)):
-            comment = one_line(branch.event.span) or None
-            if index < len(bodies) - 1:
-                test = infix("==", COMPARISON, k, WholeNumber(index))
-                yield Block("elif" if index else "if", test, body, comment)
-            else:
-                yield Block("else", None, body, comment)
+        starts: list[int] = []
+        shared: list[Statements] = []
+        for start, _, body in alike_runs(bodies, k.text):
+            starts.append(start)
+            shared.append(body)
+        comments = [one_line(branches[start].event.span) or None for start in starts]
+        yield from _decision(k, [*starts, len(branches)], shared, comments)
 
     def _taken(self, event: ir.Event, guards: Code, index: int) -> Statements:
         if not isinstance(event, ir.InputEvent):
@@ -266,6 +273,39 @@ class Alternatives(Values):
         else:
             plainly = (run(delegated(call(function, self.spelling["me"]))),)
         yield else_(*plainly)
+
+
+_MOST_TESTED = 16
+"""The largest number of bodies that are tested for one after the other; of more, half are excluded by each test."""
+
+
+def _decision(
+    k: Code, starts: Sequence[int], bodies: Sequence[Statements], comments: Sequence[str | None]
+) -> Statements:
+    """Run the body of branch ``k``: body ``i`` is that of the branches from ``starts[i]`` to before ``starts[i + 1]``.
+
+    A chain of ``elif`` is nested as deep as it is long, for the parser and for the processor.
+    """
+    if len(bodies) == 1:
+        return bodies[0]
+    if len(bodies) > _MOST_TESTED:
+        half = len(bodies) // 2
+        lower = _decision(k, starts[: half + 1], bodies[:half], comments[:half])
+        upper = _decision(k, starts[half:], bodies[half:], comments[half:])
+        return (if_(_less(k, starts[half]), *lower), else_(*upper))
+    found: list[Statement] = []
+    for index, (body, comment) in enumerate(zip(bodies, comments, strict=True)):
+        start, end = starts[index : index + 2]
+        if index == len(bodies) - 1:
+            found.append(Block("else", None, body, comment))
+        else:
+            test = infix("==", COMPARISON, k, WholeNumber(start)) if end == start + 1 else _less(k, end)
+            found.append(Block("elif" if index else "if", test, body, comment))
+    return tuple(found)
+
+
+def _less(k: Code, number: int) -> Code:
+    return infix("<", COMPARISON, k, WholeNumber(number))
 
 
 def _position(bits: Code) -> Code:

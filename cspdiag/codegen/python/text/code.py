@@ -352,6 +352,11 @@ def counted_to(count: int | Code) -> Call:
     return call("range", Constant(str(count)) if isinstance(count, int) else count)
 
 
+def counted_from(start: int, count: int) -> Call:
+    """``range(start, start + count)``."""
+    return call("range", Constant(str(start)), Constant(str(start + count))) if start else counted_to(count)
+
+
 def number(text: str) -> Code:
     """A real number in decimal notation, also one with a sign."""
     return Prefix("-", Constant(text[1:])) if text.startswith("-") else Constant(text)

@@ -6,7 +6,7 @@ that the generator has built, so the loop means the same as its elements by cons
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TypeVar
 
 from cspdiag.codegen.python.text.code import (
@@ -25,7 +25,7 @@ from cspdiag.codegen.python.text.code import (
     Starred,
     WholeNumber,
     at_least,
-    call,
+    counted_from,
     counted_to,
     infix,
 )
@@ -39,24 +39,31 @@ def rolled_list(elements: Sequence[Code], variable: str) -> Code:
     """A list of the elements: a comprehension, or single elements and starred comprehensions if only a part of them
     repeats.
     """
-    if len(elements) >= LEAST:
-        whole = template(elements, variable)
-        if whole is not None:
-            return Comprehension(whole, variable, counted_to(len(elements)))
-    outlines = [outline(element) for element in elements]
     items: list[Code] = []
+    for start, turns, part in alike_runs(elements, variable):
+        if turns == len(elements) >= LEAST:
+            return Comprehension(part, variable, counted_to(turns))
+        items.append(part if turns == 1 else Starred(Comprehension(part, variable, counted_from(start, turns), "()")))
+    return Items("[]", tuple(items))
+
+
+def alike_runs(elements: Sequence[T], variable: str) -> Iterator[tuple[int, int, T]]:
+    """The elements, where those that follow one another and differ only in numbers that count are one, in which
+    ``variable`` is the position: the position of the first, their number, and the element that they share.
+    """
+    whole = template(elements, variable) if len(elements) >= LEAST else None
+    if whole is not None:
+        yield 0, len(elements), whole
+        return
+    outlines = [outline(element) for element in elements]
     start = 0
     while start < len(elements):
         turns, _ = repetitions_from(outlines, start, 1, _counts)
         part = template(elements[start : start + turns], variable, start) if turns >= LEAST else None
         if part is None:
-            items.append(elements[start])
-            start += 1
-        else:
-            counted = call("range", Constant(str(start)), Constant(str(start + turns)))
-            items.append(Starred(Comprehension(part, variable, counted, "()")))
-            start += turns
-    return Items("[]", tuple(items))
+            turns, part = 1, elements[start]
+        yield start, turns, part
+        start += turns
 
 
 def template(elements: Sequence[T], variable: str, start: int = 0) -> T | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from cspdiag import pipeline
@@ -112,3 +114,30 @@ def test_a_block_of_which_only_a_comment_is_left_passes() -> None:
         "    # p.csp:3  o ! 1",
         "    pass",
     ]
+
+
+RUNS = Path(__file__).parents[3] / "conformance" / "programs" / "branches_in_runs.csp"
+
+
+def text_of(program: str, path: str) -> str:
+    built = pipeline.build(SourceFile(name="p.csp", text=program), no_file)
+    assert built.network is not None, render(built.checked.report.diagnostics)
+    files = pipeline.generate(built.network, no_file, "python", 1)
+    return next(text for name, text in files.items() if name.endswith(f"/{path}"))
+
+
+def test_branches_of_an_alternative_share_code_with_those_beside_them_that_count() -> None:
+    server = text_of(RUNS.read_text(encoding="utf-8"), "server.py")
+    assert "if k == 0:" in server  # nothing is added to the answer of the first
+    assert "elif k < 13:" in server
+    assert "Alternative(*(Input(self.request[i]) for i in range(40)))" in server
+
+
+def test_no_chain_of_tests_is_longer_than_a_few_branches() -> None:
+    branches = "".join(f" [] input[{i}] ? x -> output ! {i * i + 2} * x % 1000" for i in range(100))
+    head = "in input[100] : int  out output : int  communication { var x : int }"
+    written = text_of(f"process P {{ {head} composition {{ mu ({branches[4:]}) }} }}", "p.py").splitlines()
+    tests = [line.strip() for line in written if " k == " in line or " k < " in line or line.strip().startswith("else")]
+    chains = "".join("e" if test.startswith("elif") else "," for test in tests).split(",")
+    assert max(map(len, chains)) < 16
+    assert sum(map(len, chains)) > 50

@@ -6,6 +6,7 @@ number of the chosen branch in place of ``i``.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
 from cspdiag.base.record import field_names, is_record, record, replaced
@@ -38,43 +39,66 @@ class _SharedBody:
     number: str | None
 
 
-def shared_body(writer: Writer, step: ir.Choice, chosen: Code) -> list[Statement] | None:
-    """The body that all branches share, with ``chosen`` as their number; None if they differ in more than that."""
+def shared_body(writer: Writer, step: ir.Choice, start: int, end: int, chosen: Code) -> list[Statement] | None:
+    """The body that the branches from ``start`` to before ``end`` share, with ``chosen`` as the number of the branch;
+    None if they differ in more than that.
+    """
     try:
-        statements = _BodySharing(writer, step).shared_body()
+        shared = _BodySharing(writer, step, start, end).shared_body()
     except _DifferentError:
         return None
     setup: list[Statement] = []
-    if statements.number is not None:
-        variable, type_ = writer.members.variable(statements.number), IntType()
+    if shared.number is not None:
+        variable, type_ = writer.members.variable(shared.number), IntType()
         setup.append(store(variable, cast(writer.members.types.type_name(type_), chosen)))
-    for end in statements.ends:
-        setup.append(store(own(end.member), own(writer.members.names[end.port]).at(chosen)))
-    return [*setup, *writer.statements(statements.body)]
+    for element in shared.ends:
+        setup.append(store(own(element.member), own(writer.members.names[element.port]).at(chosen)))
+    return [*setup, *writer.statements(shared.body)]
+
+
+def runs(branches: Sequence[ir.Branch]) -> Iterator[tuple[int, int]]:
+    """All branches in order, as the first and the end of each run whose bodies seem to differ only in their number."""
+    start = 0
+    while start < len(branches):
+        end = start + 1
+        while end < len(branches) and _is_next(branches, start, end):
+            end += 1
+        yield start, end
+        start = end
+
+
+def _is_next(branches: Sequence[ir.Branch], start: int, number: int) -> bool:
+    """Whether a branch differs only in its number from those from ``start`` on."""
+    first, second, other = branches[start], branches[start + 1], branches[number]
+    if type(first.event) is not type(other.event):
+        return False
+    targets = {branch.event.target for branch in (first, other) if isinstance(branch.event, ir.InputEvent)}
+    if len(targets) > 1:
+        return False
+    try:
+        _require_similar(first.body, second.body, other.body, start, number)
+    except _DifferentError:
+        return False
+    return True
 
 
 class _BodySharing:
-    def __init__(self, writer: Writer, step: ir.Choice) -> None:
+    """The body that the branches from ``start`` to before ``end`` share."""
+
+    def __init__(self, writer: Writer, step: ir.Choice, start: int, end: int) -> None:
         self.writer = writer
         self.members = writer.members
-        self.branches = step.branches
+        self.branches = step.branches[start:end]
         self.ends: dict[tuple[str, int], ChosenEnd] = {}
-        self.number = f"number of {step.name}"
+        self.number = f"number of {step.name}{f' from {start}' if start else ''}"
         self.is_numbered = False
 
     def shared_body(self) -> _SharedBody:
         if not all(map(self._has_plain_guard, self.branches)):
             raise _DifferentError
-        if len({branch.event.target for branch in self.branches if isinstance(branch.event, ir.InputEvent)}) > 1:
-            raise _DifferentError
-        if len({type(branch.event) for branch in self.branches}) > 1:
-            raise _DifferentError
-        first, second, *others = (branch.body for branch in self.branches)
+        first, second = self.branches[0].body, self.branches[1].body
         if not all(isinstance(part, _PLAIN) for part in parts(first) if isinstance(part, ir.Step)):
             raise _DifferentError
-        _require_similar(first, second, second, 1)
-        for number, body in enumerate(others, 2):
-            _require_similar(first, second, body, number)
         body = self._with_number(first, second)
         for end in self.ends.values():
             self.members.work.append(StructMember(f"{_POINTERS[self.members.access(end)]}{end.member}"))
@@ -124,38 +148,40 @@ class _BodySharing:
         return VariableValue(type=literal.type, span=literal.span, channel=self.number)
 
 
-def _require_similar(first: Any, second: Any, other: Any, number: int) -> None:
-    """Raises unless all are equal except for indexes and integers that are 0, 1 and ``number``."""
+def _require_similar(first: Any, second: Any, other: Any, start: int, number: int) -> None:
+    """Raises unless all are equal except for indexes and integers that are ``start``, ``start + 1`` and ``number``."""
     if type(first) is not type(other):
         raise _DifferentError
     if isinstance(first, tuple):
-        if len(first) != len(other):
+        if len(first) != len(other) or len(first) != len(second):
             raise _DifferentError
         for one, next_one, another in zip(first, second, other, strict=True):
-            _require_similar(one, next_one, another, number)
+            _require_similar(one, next_one, another, start, number)
     elif isinstance(first, ir.PortEnd):
         if (first.port, first.end) != (other.port, other.end):
             raise _DifferentError
-        _require_counting(first.index, second.index, other.index, number)
+        _require_counting(first.index, second.index, other.index, start, number)
     elif isinstance(first, LiteralValue):
         if first.type != other.type:
             raise _DifferentError
-        _require_counting(first.value, second.value, other.value, number)
+        _require_counting(first.value, second.value, other.value, start, number)
     elif is_record(first):
+        if type(first) is not type(second):
+            raise _DifferentError
         for name in _inside(first):
-            _require_similar(getattr(first, name), getattr(second, name), getattr(other, name), number)
+            _require_similar(getattr(first, name), getattr(second, name), getattr(other, name), start, number)
     elif first != other:
         raise _DifferentError
 
 
-def _require_counting(first: object, second: object, other: object, number: int) -> None:
-    """Raises unless all are equal, or 0, 1 and ``number``."""
+def _require_counting(first: object, second: object, other: object, start: int, number: int) -> None:
+    """Raises unless all are equal, or ``start``, ``start + 1`` and ``number``."""
     if type(first) is not type(second) or type(first) is not type(other):
         raise _DifferentError
     if first == second:
         if first != other:
             raise _DifferentError
-    elif type(first) is not int or (first, second, other) != (0, 1, number):
+    elif type(first) is not int or (first, second, other) != (start, start + 1, number):
         raise _DifferentError
 
 

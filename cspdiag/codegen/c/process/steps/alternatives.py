@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.process.flow import can_complete
-from cspdiag.codegen.c.process.steps.alike import shared_body
+from cspdiag.codegen.c.process.steps.alike import runs, shared_body
 from cspdiag.codegen.c.process.steps.plain_steps import (
     check_finite,
     hand_over,
@@ -18,7 +19,7 @@ from cspdiag.codegen.c.process.steps.plain_steps import (
 )
 from cspdiag.codegen.c.process.struct.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import EQUALITY, Code, address, call, code, infix, own, unsigned
+from cspdiag.codegen.c.text.code import EQUALITY, RELATION, Code, address, call, code, infix, own, unsigned
 from cspdiag.codegen.c.text.media import EndInC
 from cspdiag.codegen.c.text.rolling import rolled
 from cspdiag.codegen.c.text.statements import (
@@ -57,6 +58,16 @@ class Guard:
         return self.branch.event
 
 
+@record
+class _Body:
+    """What the branches from ``start`` to before ``end`` run; ``guard`` is the first one's."""
+
+    guard: Guard
+    start: int
+    end: int
+    statements: list[Statement]
+
+
 def choice(writer: Writer, step: Choice) -> list[Statement]:
     """Chooses one of the guards that are ready, and continues with its process."""
     name = writer.members.names.fresh(step.name)
@@ -88,11 +99,14 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     again = call("csp_select_again", "party", alternative)
     waiting = writer.wait(call("csp_select", "party", alternative), again, place)
     number_chosen = member.field("alternative").field("chosen")
-    shared = shared_body(writer, step, number_chosen) if len(guards) > _MAX_TESTED_BRANCHES else None
-    if shared is not None:
-        return [writer.remark(step), *enabling, waiting, *branch_beginning(writer, guards[0]), *shared]
-    bodies = [[*branch_beginning(writer, guard), *writer.statements(guard.branch.body)] for guard in guards]
-    return [writer.remark(step), *enabling, waiting, *_chosen(writer, number_chosen, guards, bodies)]
+    bodies: list[_Body] = []
+    for start, end in runs(step.branches):
+        shared = shared_body(writer, step, start, end, number_chosen) if end - start > _MAX_TESTED_BRANCHES else None
+        for first in range(start, end if shared is None else start + 1):
+            statements = writer.statements(guards[first].branch.body) if shared is None else shared
+            beginning = branch_beginning(writer, guards[first])
+            bodies.append(_Body(guards[first], first, first + 1 if shared is None else end, [*beginning, *statements]))
+    return [writer.remark(step), *enabling, waiting, *_chosen(writer, number_chosen, bodies)]
 
 
 def _fields(count: int, timers: int) -> list[StructMember]:
@@ -209,47 +223,67 @@ def branch_beginning(writer: Writer, guard: Guard) -> list[Statement]:
             assert_never(event)
 
 
-def _chosen(
-    writer: Writer, chosen: Code, guards: Sequence[Guard], bodies: Sequence[list[Statement]]
-) -> list[Statement]:
+def _chosen(writer: Writer, chosen: Code, bodies: Sequence[_Body]) -> list[Statement]:
     """The branches: as a ``switch`` if they do not wait, else as an ``if`` or with jumps."""
     if len(bodies) == 1:
-        return bodies[0]
-    if not any(map(has_effect, bodies)):
+        return bodies[0].statements
+    if not any(has_effect(body.statements) for body in bodies):
         return []
-    waits = any(map(can_wait, bodies))
+    waits = any(can_wait(body.statements) for body in bodies)
     if len(bodies) == 2 or (waits and len(bodies) <= _MAX_TESTED_BRANCHES):
         return _tested(chosen, bodies)
-    return _jumps(writer, chosen, guards, bodies) if waits else _switch(chosen, guards, bodies)
+    return _jumps(writer, chosen, bodies) if waits else _switch(chosen, bodies)
 
 
-def _tested(chosen: Code, bodies: Sequence[list[Statement]]) -> list[Statement]:
-    statements = bodies[-1]
-    for number in range(len(bodies) - 2, -1, -1):
-        statements = choose(infix("==", EQUALITY, chosen, unsigned(number)), bodies[number], statements)
+def _tested(chosen: Code, bodies: Sequence[_Body]) -> list[Statement]:
+    statements = bodies[-1].statements
+    for body in reversed(bodies[:-1]):
+        if body.end == body.start + 1:
+            test = infix("==", EQUALITY, chosen, unsigned(body.start))
+        else:
+            test = infix("<", RELATION, chosen, unsigned(body.end))
+        statements = choose(test, body.statements, statements)
     return statements
 
 
-def _switch(chosen: Code, guards: Sequence[Guard], bodies: Sequence[list[Statement]]) -> list[Statement]:
-    cases = []
-    for number, (guard, body) in enumerate(zip(guards, bodies, strict=True)):
-        label = f"case {number}" if number < len(bodies) - 1 else "default"
-        cases.append((label, (*body, *([run("break")] if can_complete(guard.branch.body) else []))))
-    return [Switch(chosen, tuple(cases))]
+def _switch(chosen: Code, bodies: Sequence[_Body]) -> list[Statement]:
+    return [
+        Switch(
+            chosen,
+            tuple(
+                case
+                for body in bodies
+                for case in _cases(
+                    body,
+                    bodies[-1],
+                    (*body.statements, *([run("break")] if can_complete(body.guard.branch.body) else [])),
+                )
+            ),
+        )
+    ]
 
 
-def _jumps(writer: Writer, chosen: Code, guards: Sequence[Guard], bodies: Sequence[list[Statement]]) -> list[Statement]:
+def _cases(body: _Body, last: _Body, statements: Sequence[Statement]) -> Iterator[tuple[str, tuple[Statement, ...]]]:
+    """The cases of a ``switch`` for the branches of a body: the last one has its statements."""
+    if body is last:
+        yield "default", tuple(statements)
+        return
+    for number in range(body.start, body.end - 1):
+        yield f"case {number}", ()
+    yield f"case {body.end - 1}", tuple(statements)
+
+
+def _jumps(writer: Writer, chosen: Code, bodies: Sequence[_Body]) -> list[Statement]:
     after = writer.states.fresh("chosen")
-    labels = [writer.states.fresh(f"guard_{number}") for number in range(len(bodies))]
+    labels = [writer.states.fresh(f"guard_{body.start}") for body in bodies]
     cases = tuple(
-        (f"case {number}" if number < len(labels) - 1 else "default", (goto(label),))
-        for number, label in enumerate(labels)
+        case for label, body in zip(labels, bodies, strict=True) for case in _cases(body, bodies[-1], (goto(label),))
     )
     statements: list[Statement] = [Switch(chosen, cases)]
-    for guard, label, body in zip(guards, labels, bodies, strict=True):
-        statements += [Label(label), *body]
-        if can_complete(guard.branch.body):
+    for label, body in zip(labels, bodies, strict=True):
+        statements += [Label(label), *body.statements]
+        if can_complete(body.guard.branch.body):
             statements.append(goto(after))
-    if any(can_complete(guard.branch.body) for guard in guards):
+    if any(can_complete(body.guard.branch.body) for body in bodies):
         statements.append(Label(after))
     return statements
