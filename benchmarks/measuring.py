@@ -40,6 +40,7 @@ _FUSED = {"-O1 fused": "networks python-O1-fused", "C fused": "networks c-fused"
 _PEERS = {name: f"peer_{name.lower()}" for name in ("asyncio", "trio", "simpy", "PyCSP", "Go")}
 _ALTERNATING = {name: _PEERS[name] for name in ("asyncio", "PyCSP", "Go")}
 _RECORD = {"-O1": "recording python", "C": "recording c"}
+_AGAINST_THE_CLOCK = {"-O0": "real_time python-O0", "-O1": "real_time python-O1", "C": "real_time c"}
 _CHECK = {"cspdiag": "checking"}
 _PROVE = {"cspdiag": "proving"}
 _RESPOND = {"cspdiag": "responding"}
@@ -80,6 +81,11 @@ BENCHMARKS = (
         "recording-csv", "the same in a table, which is bound by writing floating-point numbers as text", "times",
         _RECORD,
     ),
+    Benchmark(
+        "real-time-late", "two processes for each processor besides: 99 % of the ticks at 1 kHz are met within", "us",
+        _AGAINST_THE_CLOCK | {"cyclictest": "real_time cyclictest"}, "Python 1000 us",
+    ),
+    Benchmark("real-time-missed", "the same: samples missed of 20 000", "", _AGAINST_THE_CLOCK, "a third of 653"),
     Benchmark("check-cold", "a cold `cspdiag check` of JIWY", "ms", {"cspdiag": "cold_start"}, "at most 120 ms"),
     Benchmark(
         "check-server", "`cspdiag check --server` of JIWY, whose server has learned it", "ms",

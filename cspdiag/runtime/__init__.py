@@ -72,7 +72,7 @@ from .kernel.policy import Option, Policy
 from .kernel.scheduler import Task
 from .kernel.timers import begin_delay
 from .network import Network
-from .outcome import Jitter, Outcome
+from .outcome import Outcome
 from .outside.accepted import array, boolean, double, enumeration, integer, record, single, text
 from .outside.drivers import DevicePort, Driver, Signal
 from .outside.event_inputs import EventInput
@@ -80,6 +80,7 @@ from .outside.external import EventOutput, SampledOutput
 from .outside.instants import Environment
 from .outside.sampled_inputs import SampledInput
 from .process import Process, Submodel
+from .real_time.jitter import Jitter
 
 __all__ = [
     "After",

@@ -190,6 +190,8 @@ def _summary(outcome: Outcome) -> Iterator[str]:
     missed = [f"{port} {count}" for port, count in outcome.missed.items() if count]
     if missed or (outcome.missed and outcome.real_time):
         yield f"missed samples: {', '.join(missed) or 'none'}"
+    if outcome.preference:
+        yield outcome.preference
     for period, jitter in outcome.jitter.items():
         yield f"jitter of the {shown(period)} period: {jitter}"
     for error in outcome.release_errors:

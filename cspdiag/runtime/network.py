@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from functools import partial
 from signal import SIGINT
 from typing import Any, Literal
@@ -25,16 +25,15 @@ from .kernel.party import Party
 from .kernel.policy import Policy
 from .kernel.scheduler import Scheduler, Task
 from .kernel.stopping import HandlerFailed, Stopped, stopping
-from .outcome import Jitter, Outcome
+from .outcome import Outcome
 from .outside.devices import Devices
 from .outside.event_inputs import EventInput
 from .outside.external import Port
 from .outside.instants import Environment, Instants
 from .outside.sampled_inputs import SampledInput
 from .process import Process
-
-_REAL_TIME_STEPS = 16
-"""The number of steps of processes in real time between checks of the clock."""
+from .real_time.jitter import Jitter
+from .real_time.preference import preferred
 
 
 class Network:
@@ -114,6 +113,9 @@ class _Run:
         for port in network.ports:
             if isinstance(port, SampledInput):
                 port.begin(on_miss)
+        self._preferred = ExitStack()
+        """Left after the outputs have been released."""
+        self._preference = ""
         self._process = os.getpid()
         self._root_error: BaseException | None = None
         self._root = task_for(network.process, self, None)
@@ -124,7 +126,7 @@ class _Run:
 
     def outcome(self) -> Outcome:
         began = time.perf_counter()
-        with stopping.running(self._leave):
+        with stopping.running(self._leave), self._preferred:
             return self._released_outcome(began)
 
     def _leave(self) -> None:
@@ -146,6 +148,7 @@ class _Run:
         outcome.missed = {port.name: port.missed for port in self._network.ports if isinstance(port, SampledInput)}
         outcome.jitter = self._jitter
         outcome.real_time = self._clock.real
+        outcome.preference = self._preference
         return outcome
 
     def _run_to_its_end(self) -> Outcome:
@@ -163,6 +166,8 @@ class _Run:
             return Outcome("failed", self._scheduler.now, error=error)
 
     def _ending(self) -> Outcome:
+        if self._clock.real:
+            self._preference = str(self._preferred.enter_context(preferred()))
         self._start()
         with stopping.raising(patiently=True):
             return self._in_real_time() if self._clock.real else self._in_virtual_time()
@@ -207,16 +212,16 @@ class _Run:
     def _in_real_time(self) -> Outcome:
         """The same against the clock.
 
-        Instants that pass while others are met wait for the next iteration: processes run in between, however slow
-        drivers are. All instants that have passed are met before the next steps of processes, so a process that
-        computes for too long finds its samples overwritten.
+        The clock is read after each step of a process. All instants that have passed are met before the next one,
+        so a process that computes for too long finds its samples overwritten. Instants that pass while others are met
+        wait for the next iteration: processes run in between, however slow drivers are.
         """
-        run_ready = self._scheduler.run_ready
+        run_first = self._scheduler.run_first
         watch = self._devices.watch
         watch.limits_steps = True
         while True:
             watch.iterations += 1
-            ready = run_ready(_REAL_TIME_STEPS)
+            ready = run_first()
             stopping.check()
             if self._root.ended:
                 return self._ended_by_itself()

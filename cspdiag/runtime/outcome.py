@@ -3,45 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import sqrt
 from typing import Literal, assert_never
 
 from .deadlock import DeadlockReport
-from .kernel.durations import shown
 from .kernel.exceptions import Deadlock
 from .kernel.signals import exit_code_of
+from .real_time.jitter import Jitter
 
 Ending = Literal["terminated", "deadlock", "time limit", "stopped", "failed"]
-
-
-@dataclass
-class Jitter:
-    """How late the ticks of a period were in a real-time run, in nanoseconds."""
-
-    count: int = 0
-    worst: int = 0
-    _sum: float = 0.0
-    _squares: float = 0.0
-
-    def add(self, late: int) -> None:
-        """One tick."""
-        self.count += 1
-        self.worst = max(self.worst, late)
-        self._sum += late
-        self._squares += late * late
-
-    @property
-    def mean(self) -> float:
-        """Mean lateness."""
-        return self._sum / self.count if self.count else 0.0
-
-    @property
-    def deviation(self) -> float:
-        """Standard deviation of the lateness."""
-        return sqrt(max(0.0, self._squares / self.count - self.mean**2)) if self.count else 0.0
-
-    def __str__(self) -> str:
-        return f"mean {shown(round(self.mean))}, deviation {shown(round(self.deviation))}, worst {shown(self.worst)}"
 
 
 @dataclass
@@ -64,6 +33,8 @@ class Outcome:
     """The signal that stopped it."""
     real_time: bool = False
     """Whether it ran against the clock."""
+    preference: str = ""
+    """What the operating system granted to a run against the clock: the scheduling class, and locked memory."""
     release_errors: list[BaseException] = field(default_factory=list)
     """The errors of drivers that failed during the release of their outputs or while they were closed."""
 

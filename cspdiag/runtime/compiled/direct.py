@@ -74,6 +74,14 @@ class DirectScheduler(Scheduler):
         self.current = nobody
         return bool(queue)
 
+    def _run_one(self, party: Any) -> None:
+        try:
+            next(party)
+        except StopIteration:
+            self._ended(party, None)
+        except BaseException as error:
+            self._ended(party, error)
+
     def _run_many(self, most: int) -> None:
         """Resumes the entries after the first few. The StopIteration of a generator ends ``any``, but not the batch."""
         entries = iter(self.queue)

@@ -324,6 +324,14 @@ class Scheduler:
         del queue[:most]
         return True
 
+    def run_first(self) -> bool:
+        """Runs the party that has been ready for longest, of the highest level; False if none is left."""
+        queue = self.queue
+        if not queue:
+            return self._run_lower_level()
+        self.run_one(queue.pop(0))
+        return bool(queue or self._levels)
+
     def _run_lower_level(self) -> bool:
         for _, queue in self._levels:
             if queue:

@@ -27,6 +27,8 @@ def _lines(run: RunData) -> Iterator[str]:
     yield from _process_lines(run)
     missed = {port: count for port, count in outcome.missed.items() if count}
     yield "  missed samples: " + (", ".join(f"{port} {count}" for port, count in missed.items()) or "none")
+    if outcome.preference:
+        yield f"  {outcome.preference}"
     for period, jitter in outcome.jitter.items():
         yield f"  jitter of the {shown(period)} period: {jitter}"
     from cspdiag.runtime.kernel.exceptions import described

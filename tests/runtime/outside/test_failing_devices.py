@@ -23,7 +23,7 @@ from cspdiag.runtime import (
     wait,
 )
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
-from tests.runtime.kernel.test_real_time import Device
+from tests.runtime.real_time.test_real_time import Device
 from tests.runtime.support import Body, Scripted
 
 
@@ -171,13 +171,13 @@ def test_a_handler_of_the_caller_is_kept_and_outputs_are_released() -> None:
 
     async def top() -> None:
         await u.write(3.0)
+        threading.Timer(0.05, signal.pthread_kill, (main_thread, signal.SIGTERM)).start()
         await wait(60_000 * ms)
 
     main_thread = threading.main_thread().ident
     assert main_thread is not None
     before = signal.signal(signal.SIGTERM, request)
     try:
-        threading.Timer(0.05, signal.pthread_kill, (main_thread, signal.SIGTERM)).start()
         with pytest.raises(AskedError):
             Network(Body(top), [u]).run(real_time=True)
     finally:

@@ -7,6 +7,7 @@ import signal
 import threading
 import time
 from contextlib import suppress
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -22,12 +23,15 @@ from cspdiag.runtime import (
     SampledInput,
     SampledOutput,
     Signal,
+    Steps,
+    Task,
     Timeout,
     ms,
     parallel,
     stop,
     wait,
 )
+from tests.runtime.compiled.programs import Program
 from tests.runtime.support import Body, Scripted
 
 
@@ -261,11 +265,11 @@ def test_ctrl_c_while_all_processes_wait_stops_the_run_and_releases_the_outputs(
 
     async def top() -> None:
         await u.write(3.0)
+        threading.Timer(0.05, signal.pthread_kill, (main_thread, signal.SIGINT)).start()
         await wait(60_000 * ms)
 
     main_thread = threading.main_thread().ident
     assert main_thread is not None
-    threading.Timer(0.05, signal.pthread_kill, (main_thread, signal.SIGINT)).start()
     outcome = Network(Body(top), [u]).run(real_time=True)
     assert outcome.ended == "stopped"
     assert motor.written == [3.0, 0.0]
@@ -297,3 +301,41 @@ def test_a_time_limit_ends_a_real_time_run_in_which_nothing_happens() -> None:
 
     outcome = Network(Body(top), [never]).run(real_time=True, until=20 * ms)
     assert (outcome.ended, outcome.time) == ("time limit", 20 * ms)
+
+
+@pytest.mark.parametrize("optimized", [False, True])
+def test_the_clock_is_read_after_each_step(optimized: bool) -> None:
+    order: list[str] = []
+
+    class Reading:
+        def read(self) -> float:
+            order.append("read")
+            return 0.0
+
+    port = SampledInput[float]("x", period=2 * ms, driver=Reading())
+
+    def compute() -> None:
+        order.append("compute")
+        time.sleep(0.005)
+
+    def optimized_steps(me: Task) -> Steps:
+        compute()
+        yield from ()
+
+    def optimized_top(me: Task) -> Steps:
+        me.scheduler.current = me
+        yield from parallel(*[optimized_steps] * 3)
+
+    async def body() -> None:
+        compute()
+
+    async def top() -> None:
+        await parallel(*(Body(body, name) for name in "abc"))
+
+    program = Program(optimized_top) if optimized else Body(top)
+    outcome = Network(program, [port]).run(real_time=True, on_miss="count")
+    assert outcome.ended == "terminated"
+    computed = [position for position, what in enumerate(order) if what == "compute"]
+    assert len(computed) == 3
+    for first, second in pairwise(computed):
+        assert "read" in order[first:second], order

@@ -1,0 +1,154 @@
+"""Preference by the operating system and by the interpreter while a network runs against the clock.
+
+The threads of ordinary programs cannot preempt it, its memory is not paged out, the garbage collector leaves alone what
+existed before, and a thread that computes in Python gives way sooner. Whatever is not permitted is left as it is, and
+reported. Other threads of the process are preferred, too: one that has lost the processor while it holds the lock of
+the interpreter would delay the run.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any, Final, NamedTuple
+
+_LEVEL: Final = 20
+"""The priority within SCHED_FIFO of the thread that runs the network; its other threads are one below. Interrupts that
+Linux handles in threads have 50.
+"""
+_SWITCH: Final = 0.0002
+"""Seconds after which a thread that computes in Python gives way to another one that waits for the interpreter."""
+_CURRENT, _FUTURE, _ON_FAULT = 1, 2, 4
+"""Flags of mlockall. Pages that were never used stay absent until they are."""
+_MAY_LOCK = 1 << 14
+"""CAP_IPC_LOCK, in /proc/self/status."""
+_TIMER_SLACK = 29
+"""PR_SET_TIMERSLACK of prctl: by how many nanoseconds a wait may be prolonged. Zero restores what it was at first."""
+
+
+class Preference(NamedTuple):
+    """What a run was granted: ``scheduling`` and ``memory``, each as it is shown."""
+
+    scheduling: str
+    memory: str
+
+    def __str__(self) -> str:
+        return f"{self.scheduling}, {self.memory}"
+
+
+@contextmanager
+def preferred() -> Iterator[Preference]:
+    """Has the present thread preferred, and what exists by now settled, until the context is left."""
+    interval = sys.getswitchinterval()
+    try:
+        gc.freeze()
+        sys.setswitchinterval(min(interval, _SWITCH))
+        with _memory_locked() as memory, _scheduled_first() as scheduling:
+            yield Preference(scheduling, memory)
+    finally:
+        sys.setswitchinterval(interval)
+        gc.unfreeze()
+
+
+@contextmanager
+def _scheduled_first() -> Iterator[str]:
+    if not hasattr(os, "sched_setscheduler"):
+        yield "ordinary scheduling: this system has no SCHED_FIFO"
+        return
+    own = threading.get_native_id()
+    ordinary = os.sched_getscheduler(own), os.sched_getparam(own)
+    if ordinary[0] != os.SCHED_OTHER:
+        yield "scheduled as it was started"
+        return
+    before = {own: ordinary}
+    try:
+        # A handler of signals may raise something anywhere.
+        if not _set_class(own, os.SCHED_FIFO, os.sched_param(_LEVEL)):
+            with _precise_waits():
+                yield "ordinary scheduling: SCHED_FIFO is not permitted"
+            return
+        for thread in _others(own):
+            with suppress(OSError):  # It has ended by now.
+                before[thread] = os.sched_getscheduler(thread), os.sched_getparam(thread)
+            _set_class(thread, os.SCHED_FIFO, os.sched_param(_LEVEL - 1))
+        yield "SCHED_FIFO"
+    finally:
+        for thread in (*_others(own), own):
+            # One that was started meanwhile has inherited what this thread had.
+            _set_class(thread, *before.get(thread, ordinary))
+
+
+def _set_class(thread: int, policy: int, parameters: Any) -> bool:
+    """Whether a thread has been given a scheduling class: it may have ended, and it may not be permitted."""
+    try:
+        os.sched_setscheduler(thread, policy, parameters)
+    except OSError:
+        return False
+    return True
+
+
+def _others(own: int) -> list[int]:
+    numbers = [thread.native_id for thread in threading.enumerate()]
+    return [number for number in numbers if number not in (None, own)]
+
+
+@contextmanager
+def _precise_waits() -> Iterator[None]:
+    """Linux prolongs the waits of ordinary threads by 50 microseconds, to wake several at once."""
+    prctl = _function("prctl")
+    if prctl is None:
+        yield
+        return
+    try:
+        prctl(_TIMER_SLACK, 1, 0, 0, 0)
+        yield
+    finally:
+        prctl(_TIMER_SLACK, 0, 0, 0, 0)
+
+
+@contextmanager
+def _memory_locked() -> Iterator[str]:
+    lock, unlock = _function("mlockall"), _function("munlockall")
+    status = _status()
+    if lock is None or unlock is None:
+        yield "memory not locked: this system cannot"
+        return
+    if int(status.get("VmLck", "0 kB").split()[0]):
+        yield "memory locked as it was"
+        return
+    # With a limit on locked memory, future allocations would fail as soon as it is reached.
+    unlimited = int(status.get("CapEff", "0"), 16) & _MAY_LOCK or _has_no_limit()
+    try:
+        refused = lock((_CURRENT | _FUTURE if unlimited else _CURRENT) | _ON_FAULT)
+        yield "memory not locked: not permitted" if refused else "memory locked"
+    finally:
+        unlock()
+
+
+def _has_no_limit() -> bool:
+    import resource
+
+    return resource.getrlimit(resource.RLIMIT_MEMLOCK)[0] == resource.RLIM_INFINITY
+
+
+def _status() -> dict[str, str]:
+    """The lines of /proc/self/status by their names."""
+    try:
+        with open("/proc/self/status", encoding="ascii", errors="replace") as file:
+            return {name: value.strip() for name, _, value in (line.partition(":") for line in file)}
+    except OSError:
+        return {}
+
+
+def _function(name: str) -> Any:
+    """A function of the C library, or None."""
+    try:
+        import ctypes
+
+        return getattr(ctypes.CDLL(None), name, None)
+    except (ImportError, OSError, TypeError):
+        return None
