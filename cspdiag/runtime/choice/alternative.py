@@ -116,7 +116,10 @@ class Alternative(Choice):
         scheduler = present()
         task = scheduler.current
         selector = self.selector
-        self.begin_waiting(task, mask, values, delays)
+        if self.after_guards or selector.attend & mask:
+            self.begin_waiting(task, mask, values, delays)
+        else:
+            self.begin_waiting_alone(task, mask, values)
         task.waiting = self
         while True:
             self.woken = False

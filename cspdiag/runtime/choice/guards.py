@@ -237,6 +237,22 @@ class Choice:
 
     def begin_waiting(self, task: Task, mask: int, values: Mapping[int, Any], delays: Mapping[int, int]) -> None:
         """From now on the first enabled guard that becomes ready wakes the choice."""
+        selector = self.selector
+        for index, guard in self.after_guards:
+            if mask >> index & 1:
+                scheduler = task.scheduler
+                time_out = _TimeOut(selector, 1 << index, scheduler.now + delays.get(index, guard.duration))
+                scheduler.timers.begin(time_out.instant, time_out)
+                self._time_outs.append(time_out)
+        self.begin_waiting_alone(task, mask, values)
+        attended = self._enrolled = selector.attend & mask
+        while attended:
+            bit = attended & -attended
+            attended ^= bit
+            self._enroll(bit.bit_length() - 1)
+
+    def begin_waiting_alone(self, task: Task, mask: int, values: Mapping[int, Any]) -> None:
+        """``begin_waiting`` for guards none of which is a time-out and whose ends need not be notified."""
         self.task = task
         self.mask = mask
         self.chosen = -1
@@ -244,18 +260,7 @@ class Choice:
         self._values = values
         selector = self.selector
         selector.waiting = self
-        for index, guard in self.after_guards:
-            if mask >> index & 1:
-                scheduler = task.scheduler
-                time_out = _TimeOut(selector, 1 << index, scheduler.now + delays.get(index, guard.duration))
-                scheduler.timers.begin(time_out.instant, time_out)
-                self._time_outs.append(time_out)
         selector.armed = mask
-        attended = self._enrolled = selector.attend & mask
-        while attended:
-            bit = attended & -attended
-            attended ^= bit
-            self._enroll(bit.bit_length() - 1)
 
     def enroll_late(self, bit: int) -> None:
         """The process at the other side of a guard begins to alternate while this choice already waits."""
@@ -277,6 +282,8 @@ class Choice:
         selector = self.selector
         selector.waiting = None
         selector.armed = 0
+        if not self._enrolled and not self.after_guards:
+            return
         for time_out in self._time_outs:
             self.task.scheduler.timers.stop(time_out.instant, time_out)
         self._time_outs.clear()

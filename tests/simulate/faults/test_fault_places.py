@@ -69,6 +69,21 @@ STATEMENTS = {
         "next m = m + 1\n  next o = o + 2\n  y = n + m + o",
     ),
     "output after an infinite one": ("state n : double = 1e300", "next n =\n    n * 1e12", "y = 2.0 * n"),
+    "infinite next among large values": (
+        "state k : double = 1\n  state m : double = 1.7e308\n  state n : double = 1.7e308",
+        "next n =\n    n * k",
+        "next m = m * 1\n  next k = k + 0.02\n  y = k",
+    ),
+    "infinite state among large values": (
+        "state m : double = 1.7e308\n  state n : double = 2.9e307",
+        "der n =\n    n * 1<1/s>",
+        "der m = m * 0<1/s>\n  y = n",
+    ),
+    "infinite next before another fault": (
+        "state n : double = 1e300\n  state m : double = 0",
+        "next n =\n    n * 1e12",
+        "next m = double(int(1 / int(x - 1)))\n  y = n",
+    ),
     "derivative among others": (
         "state m : double = 0\n  state n : double = 0\n  state o : double = 0",
         "der n =\n    1<1/s> * double(int(1 / int(x - 1)))",

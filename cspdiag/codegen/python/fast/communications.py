@@ -72,6 +72,8 @@ class Communications:
     """Whether the scheduler itself keeps track of the running task."""
     levels: bool
     """Whether the program has prioritized parallels, and so a ready queue for each level."""
+    finite: frozenset[Code] = frozenset()
+    """Local variables that have just been tested."""
 
     def runtime(self, name: str) -> Code:
         """A name of the runtime."""
@@ -145,7 +147,14 @@ class Communications:
 
     def _sampled_read(self, end: Code, into: Code, medium: Medium) -> Statements:
         """Wait for a sample, and take it."""
-        wait = (run(end.call("wait", self.spelling["me"])), YIELD, *self.check())
+        me = self.spelling["me"]
+        in_session = infix("and", AND, end.field("begun"), infix("is", COMPARISON, end.field("waiter"), NONE))
+        wait = (
+            if_(in_session, assign(me.field("waiting"), end), assign(end.field("waiter"), me)),
+            else_(run(end.call("wait", me))),
+            YIELD,
+            *self.check(),
+        )
         return (if_(negated(end.field("fresh")), *wait), *self._sample_taken(end, into, medium))
 
     def _sample_taken(self, end: Code, into: Code, medium: Medium) -> Statements:
@@ -188,7 +197,7 @@ class Communications:
             assign(end.field("written"), TRUE),
         )
         type_ = self.spelling.type_of(sink)
-        if isinstance(type_, BoolType | IntType | EnumType | TimeType):
+        if isinstance(type_, BoolType | IntType | EnumType | TimeType) or value in self.finite:
             return latch
         refused = run(end.call("offer", me, value))
         if not isinstance(type_, RealType):

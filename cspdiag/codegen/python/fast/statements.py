@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import TypeGuard
 
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.text.code import (
@@ -16,11 +17,16 @@ from cspdiag.codegen.python.text.code import (
     Parenthesized,
     call,
     infix,
+    infix_all,
+    negated,
     number,
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.statements import Assign, Statement, if_, run, unpack
 from cspdiag.network.ir.expressions import BinaryOperation, Expression, FunctionCall
+
+_TERMS = 16
+"""How many values one sum tests."""
 
 
 def assigned(
@@ -42,12 +48,32 @@ def assigned(
     yield Assign(target, value, annotation=annotation)
 
 
-def refused_unless_finite(value: Code, imports: Imports, place: str | None = None) -> Statement:
+def is_test(value: Expression) -> TypeGuard[FunctionCall]:
+    """Whether a value is one that must be finite."""
+    return isinstance(value, FunctionCall) and value.function == "finite"
+
+
+def refused_unless_finite(value: Code, place: str | None, imports: Imports) -> Statement:
     """Raise a fault if a real in a local variable is infinite or NaN: only then its difference from itself is
     not zero.
     """
     difference = infix("!=", COMPARISON, infix("-", SUM, value, value), Constant("0.0"))
     return if_(difference, run(call(imports.runtime("finite"), value), place))
+
+
+def refused_unless_all_finite(values: Sequence[tuple[Code, str | None]], imports: Imports) -> Iterable[Statement]:
+    """Raise a fault for the first of several reals in local variables that is infinite or NaN, at its place.
+
+    A sum is finite only if all its terms are. If it is not, each is tested: finite terms may have an infinite sum.
+    """
+    for begin in range(0, len(values), _TERMS):
+        tested = values[begin : begin + _TERMS]
+        if len(tested) == 1:
+            yield refused_unless_finite(*tested[0], imports)
+            continue
+        total = infix_all("+", SUM, [value for value, _ in tested])
+        tests = [run(call(imports.runtime("finite"), value), place) for value, place in tested]
+        yield if_(negated(call(imports.standard("math", "isfinite"), total)), *tests)
 
 
 def _rounded(printer: FastPrinter, operand: Expression, step: Code | None, place: str | None) -> tuple[Statement, Code]:

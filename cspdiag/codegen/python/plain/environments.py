@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from typing import ClassVar
 
 from cspdiag.base.record import record
@@ -48,11 +48,13 @@ from cspdiag.codegen.shared.equations import (
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.network import Environment, Network, SubmodelClass
+from cspdiag.network.ir.network import Environment, Network, SubmodelClass, SubmodelState
 from cspdiag.network.ir.zero import zero
 
 ELAPSED = infix("-", SUM, Name("now"), own("now"))
 """The time from the previous instant to the present one."""
+
+ADVANCE = "Integrate to `now` (in nanoseconds) with the inputs held, and evaluate the outputs."
 
 MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
 
@@ -107,11 +109,7 @@ class EnvironmentWriter:
         name = self.package.environments[environment.name]
         place = self.package.place(environment.span.file, environment.span.line)
         doc = sentence(environment.doc) if environment.doc else f"The environment {environment.name}."
-        functions = [self._constructor(), self._start(), self._advance()]
-        if self.system is not None and self._result_equations():
-            functions.append(self._evaluate(self.system))
-        if self.system is not None and self.system.derivatives:
-            functions += self._derivatives(self.system)
+        functions = [self._constructor(), self._start(), *self._advancing()]
         attributes = [
             assign("step", duration(environment.step, self.imports)),
             assign("on_miss", Constant(quoted(environment.on_miss))),
@@ -152,7 +150,7 @@ class EnvironmentWriter:
         return [equation for equation in equations if isinstance(equation, ExternalCall)]
 
     def _constructor(self) -> Function:
-        statements: list[Statement] = [assign(own("now"), WholeNumber(0))]
+        statements: list[Statement] = [*self._at_time_0()]
         entries: list[Code] = []
         devices = {
             external: (device, port) for device in self.environment.drivers for port, external in device.connections
@@ -187,27 +185,46 @@ class EnvironmentWriter:
         return Function("__init__", ("self",), tuple(statements))
 
     def _start(self) -> Function:
-        statements: list[Statement] = [assign(own("now"), WholeNumber(0)), *self._start_statements()]
+        statements: list[Statement] = [*self._at_time_0()]
         if self.system is not None:
-            printer = self._printer((), Constant("0.0"))
-            statements += [
-                assign(own(self.names[state.name]), printer.print(state.initial)) for state in self.system.states
-            ]
+            statements += self._initial(state for state in self.system.states if not self._is_local(state))
         statements += [
             run(own(self.names[item.name]).call("reset"))
             for item in self._calls()
             if self.modules.describe(item.external).has_reset
         ]
-        if self._result_equations():
-            statements.append(run(own("_evaluate").called()))
+        statements += self._first_evaluation()
         return Function("start", ("self",), tuple(statements), doc="Go to time 0 and evaluate the outputs.")
 
-    def _start_statements(self) -> Iterable[Statement]:
-        """Additional statements at time 0."""
-        return ()
+    def _at_time_0(self) -> Iterable[Statement]:
+        return (assign(own("now"), WholeNumber(0)),)
+
+    def _is_local(self, state: SubmodelState) -> bool:
+        """Whether a state is a local variable from one instant to the next."""
+        return False
+
+    def _initial(self, states: Iterable[SubmodelState]) -> Iterable[Statement]:
+        """Gives states their initial values."""
+        printer = self._printer((), Constant("0.0"))
+        for state in states:
+            name = self.names[state.name]
+            yield assign(name if self._is_local(state) else own(name), printer.print(state.initial))
+
+    def _first_evaluation(self) -> Iterable[Statement]:
+        if self._result_equations():
+            yield run(own("_evaluate").called())
 
     def _result_equations(self) -> list[Equation]:
         return needed(self.system.equations, outputs(self.system)) if self.system is not None else []
+
+    def _advancing(self) -> list[Function]:
+        """The method that advances, and those that it calls."""
+        functions = [self._advance()]
+        if self.system is not None and self._result_equations():
+            functions.append(self._evaluate(self.system))
+        if self.system is not None and self.system.derivatives:
+            functions.append(self._derivatives(self.system))
+        return functions
 
     def _advance(self) -> Function:
         statements: list[Statement] = []
@@ -217,8 +234,7 @@ class EnvironmentWriter:
         statements.append(assign(own("now"), Name("now")))
         if system is not None and self._result_equations():
             statements += self._evaluated(system)
-        doc = "Integrate to `now` (in nanoseconds) with the inputs held, and evaluate the outputs."
-        return Function("advance", ("self", "now: int"), tuple(statements), doc=doc)
+        return Function("advance", ("self", "now: int"), tuple(statements), doc=ADVANCE)
 
     def _moved(self, system: SubmodelClass) -> Iterable[Statement]:
         """From the previous instant to ``now``: next values and slopes are computed from the inputs at the previous
@@ -239,11 +255,12 @@ class EnvironmentWriter:
         printer = self._printer(local)
         timed = uses_time((equations, system.next_values)) or (system.derivatives and integration.timed)
         if timed:
-            yield assign("time", self._seconds(own("now")))
+            yield assign("time", self._seconds(self._previous()))
         for name in given:
-            yield assign(self.names[name], own(self.names[name]).field("value"))
+            yield assign(self.names[name], self._signal(name).field("value"))
         for name in (*discrete, *continuous, *kept):
-            yield assign(self.names[name], own(self.names[name]))
+            if name not in self._already_local(system):
+                yield assign(self.names[name], own(self.names[name]))
         for equation in equations:
             if isinstance(equation, SubmodelEquation):
                 yield from self._assigned(Name(self.names[equation.name]), printer, equation)
@@ -274,6 +291,18 @@ class EnvironmentWriter:
                 moved = self.names[name]
                 yield assign(own(moved), call(self.imports.runtime("finite"), Name(moved)), self._place(state))
 
+    def _previous(self) -> Code:
+        """The previous instant."""
+        return own("now")
+
+    def _signal(self, name: str) -> Code:
+        """The signal of a port."""
+        return own(self.names[name])
+
+    def _already_local(self, system: SubmodelClass) -> Container[str]:
+        """What is in a local variable when ``advance`` begins."""
+        return ()
+
     def _seconds(self, nanoseconds: Code) -> Code:
         return infix("/", PRODUCT, nanoseconds, Name(self.imports.runtime("s")))
 
@@ -297,7 +326,7 @@ class EnvironmentWriter:
         takes_time = any(self.modules.describe(item.external).takes_time for item in self._calls())
         if uses_time((tuple(part for equation in equations for part in values(equation)),)) or takes_time:
             statements.append(assign("time", self._seconds(now)))
-        statements += [assign(self.names[name], own(self.names[name]).field("value")) for name in given]
+        statements += [assign(self.names[name], self._signal(name).field("value")) for name in given]
         statements += [assign(self.names[name], own(self.names[name])) for name in states]
         for equation in equations:
             if isinstance(equation, ExternalCall):
@@ -305,7 +334,7 @@ class EnvironmentWriter:
             else:
                 name = self.names[equation.name]
                 handed_over = equation.name in results and not read[equation.name]
-                target = own(name).field("value") if handed_over else Name(name)
+                target = self._signal(equation.name).field("value") if handed_over else Name(name)
                 statements += self._assigned(target, printer, equation)
         done = {
             equation.name
@@ -313,18 +342,18 @@ class EnvironmentWriter:
             if isinstance(equation, SubmodelEquation) and not read[equation.name]
         }
         statements += [
-            assign(own(self.names[name]).field("value"), printer.signal(name)) for name in results if name not in done
+            assign(self._signal(name).field("value"), printer.signal(name)) for name in results if name not in done
         ]
         return statements
 
-    def _derivatives(self, system: SubmodelClass) -> list[Function]:
-        """Additional methods that the integration calls."""
+    def _derivatives(self, system: SubmodelClass) -> Function:
+        """The method that the integration calls."""
         integration = Integration(system, self.names, self._place)
         moving = [state.name for state in system.states if state.continuous]
         moving += [equation.name for equation in system.derivative_equations]
         printer = self._printer([*integration.held, *moving])
         annotations = {name: annotation(type_, self.imports) for name, type_ in self.types.items()}
-        return [integration.derivatives(printer, annotations)]
+        return integration.derivatives(printer, annotations)
 
 
 def _type_of(value: object) -> Type:

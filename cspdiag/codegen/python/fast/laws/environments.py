@@ -10,15 +10,17 @@ from typing import ClassVar
 
 from cspdiag.codegen.python.fast.expressions import NANOSECONDS, SCALAR, FastPrinter
 from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
-from cspdiag.codegen.python.fast.statements import assigned, refused_unless_finite
+from cspdiag.codegen.python.fast.statements import assigned, is_test, refused_unless_all_finite, refused_unless_finite
 from cspdiag.codegen.python.fast.temporaries import Temporaries
-from cspdiag.codegen.python.plain.environments import ELAPSED, MEMBERS, EnvironmentModule, EnvironmentWriter
+from cspdiag.codegen.python.plain.environments import ADVANCE, MEMBERS, EnvironmentModule, EnvironmentWriter
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.integration import Integration, begin_of_step
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
     PRODUCT,
+    SUM,
+    TRUE,
     Code,
     Constant,
     Name,
@@ -26,15 +28,19 @@ from cspdiag.codegen.python.text.code import (
     call,
     counted_to,
     infix,
+    mentions,
     own,
 )
 from cspdiag.codegen.python.text.names import PackageNames
-from cspdiag.codegen.python.text.statements import For, Function, Statement, assign, if_, run
+from cspdiag.codegen.python.text.statements import Block, For, Function, Statement, assign, if_, run
 from cspdiag.codegen.shared.equations import changes
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Value
-from cspdiag.network.ir.network import Environment, Network, SubmodelClass
+from cspdiag.network.ir.network import Environment, Network, SubmodelClass, SubmodelState
+
+YIELDED = Constant("yield")
+"""What a generator is resumed with."""
 
 
 def environment_module(
@@ -45,7 +51,15 @@ def environment_module(
 
 
 class _FastEnvironmentWriter(EnvironmentWriter):
-    members: ClassVar[frozenset[str]] = MEMBERS | {"elapsed", "_elapsed", "_half", "_sixth", "_divide", "_part"}
+    """Continuous states are local variables of a generator, ``_running``, which ``advance`` resumes.
+
+    It evaluates the outputs and waits for the next instant, to which it then integrates.
+    """
+
+    members: ClassVar[frozenset[str]] = MEMBERS | {"before", "elapsed", "_run", "_running"}
+
+    _runs = False
+    """Whether ``_running`` is being written."""
 
     @cached_property
     def _known(self) -> dict[str, Value]:
@@ -72,14 +86,91 @@ class _FastEnvironmentWriter(EnvironmentWriter):
 
     def _assigned(self, target: Code, printer: Printer, equation: SubmodelEquation) -> Iterable[Statement]:
         assert isinstance(printer, FastPrinter)
-        return assigned(target, printer, equation.value, self._place(equation))
+        place = self._place(equation)
+        if not is_test(equation.value):
+            yield from assigned(target, printer, equation.value, place)
+            return
+        local = Name(self.names[equation.name])
+        yield from assigned(local, printer, equation.value.arguments[0], place)
+        yield refused_unless_finite(local, place, self.imports)
+        if target != local:
+            yield assign(target, local)
 
     def _seconds(self, nanoseconds: Code) -> Code:
         return infix("/", PRODUCT, nanoseconds, NANOSECONDS)
 
-    def _start_statements(self) -> Iterable[Statement]:
-        if self.system is not None and self.system.derivatives:
-            yield assign(own("_elapsed"), WholeNumber(0))
+    @property
+    def _is_continuous(self) -> bool:
+        return self.system is not None and bool(self.system.derivatives)
+
+    def _at_time_0(self) -> Iterable[Statement]:
+        return () if self._is_continuous else super()._at_time_0()
+
+    def _is_local(self, state: SubmodelState) -> bool:
+        return state.continuous
+
+    def _first_evaluation(self) -> Iterable[Statement]:
+        if not self._is_continuous:
+            yield from super()._first_evaluation()
+            return
+        yield assign(own("_run"), own("_running").called())
+        yield run(call("next", own("_run")))
+
+    def _advancing(self) -> list[Function]:
+        if self.system is None or not self.system.derivatives:
+            return super()._advancing()
+        resumed = run(own("_run").call("send", Name("now")))
+        return [
+            Function("advance", ("self", "now: int"), (resumed,), doc=ADVANCE),
+            self._running(self.system),
+        ]
+
+    def _running(self, system: SubmodelClass) -> Function:
+        self._runs = True
+        in_turn = (
+            *self._evaluation(system, Name("now"), self._already_local(system)),
+            assign("before", Name("now")),
+            assign("now", YIELDED),
+            *self._moved(system),
+        )
+        signals = [
+            assign(self._signals[port.name], own(self.names[port.name]))
+            for port in system.ports
+            if mentions(in_turn, self._signals[port.name])
+        ]
+        initial = self._initial(state for state in system.states if state.continuous)
+        generator = self.imports.standard("collections.abc", "Generator")
+        return Function(
+            "_running",
+            ("self",),
+            (
+                *signals,
+                *initial,
+                assign("now", WholeNumber(0)),
+                assign("elapsed", WholeNumber(0)),
+                Block("while", TRUE, in_turn),
+            ),
+            f"{generator}[None, int, None]",
+            doc="Evaluate the outputs, wait for the next instant, integrate to it, and again.",
+        )
+
+    @cached_property
+    def _signals(self) -> dict[str, str]:
+        """Local variables for the signals of ports."""
+        ports = self.system.ports if self.system is not None else ()
+        return {port.name: self.names.fresh(f"{self.names[port.name]}_signal") for port in ports}
+
+    def _signal(self, name: str) -> Code:
+        return Name(self._signals[name]) if self._runs else super()._signal(name)
+
+    def _previous(self) -> Code:
+        return Name("before") if self._runs else super()._previous()
+
+    def _already_local(self, system: SubmodelClass) -> list[str]:
+        if not self._runs:
+            return []
+        states = [state.name for state in system.states if state.continuous]
+        return states + [local for item in self._calls() for _, local, _ in item.outputs]
 
     def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
         printer = self._printer([*integration.held, *(state.name for state in system.states if state.continuous)])
@@ -95,11 +186,8 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             place=self._place,
             step=SubStep(Name("h"), Name("half"), Name("sixth")),
         )
-        elapsed = Name("elapsed")
-        yield assign(elapsed, ELAPSED)
-        yield if_(infix("!=", COMPARISON, elapsed, own("_elapsed")), run(own("_divide").called(elapsed)))
-        for name in ("h",) if system.method == "euler" else ("h", "half", "sixth"):
-            yield assign(name, own(f"_{name}"))
+        elapsed = infix("-", SUM, Name("now"), Name("before"))
+        yield if_(infix("!=", COMPARISON, elapsed, Name("elapsed")), *self._divided(system, elapsed))
         within = inline.statements()
         if system.step is None:
             yield from (assign("t", Name("time")),) if inline.timed else ()
@@ -107,32 +195,26 @@ class _FastEnvironmentWriter(EnvironmentWriter):
         else:
             counter = "step" if inline.timed else "_"
             clock = (assign("t", begin_of_step()),) if inline.timed else ()
-            yield For(counter, own("_steps"), (*clock, *within))
-        for name, state in changes(system).items():
-            if state.continuous:
-                moved = self.names[name]
-                yield refused_unless_finite(Name(moved), self.imports, self._place(state))
-                yield assign(own(moved), Name(moved))
+            yield For(counter, Name("steps"), (*clock, *within))
+        moved = [
+            (Name(self.names[name]), self._place(state)) for name, state in changes(system).items() if state.continuous
+        ]
+        yield from refused_unless_all_finite(moved, self.imports)
+
+    def _divided(self, system: SubmodelClass, elapsed: Code) -> Iterable[Statement]:
+        """The length of a sub-step, which depends on the time between instants; that rarely changes."""
+        yield assign("elapsed", elapsed)
+        interval = self._seconds(Name("elapsed"))
+        if system.step is None:
+            yield assign("h", interval)
+        else:
+            count = infix("/", PRODUCT, Name("elapsed"), Constant(f"{system.step:_}"))
+            ceil = self.imports.standard("math", "ceil")
+            yield assign("steps", counted_to(call(ceil, count)))
+            yield assign("h", infix("/", PRODUCT, interval, call("len", Name("steps"))))
+        if system.method == "rk4":
+            yield assign("half", infix("/", PRODUCT, Name("h"), WholeNumber(2)))
+            yield assign("sixth", infix("/", PRODUCT, Name("h"), WholeNumber(6)))
 
     def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
-        present = [state.name for state in system.states if state.continuous] if system.derivatives else []
-        return self._evaluation(system, Name("now"), present)
-
-    def _derivatives(self, system: SubmodelClass) -> list[Function]:
-        """Additional methods: the length of a sub-step depends on the time between instants, which rarely changes."""
-        elapsed = Name("elapsed")
-        statements = [assign(own("_elapsed"), elapsed)]
-        interval = self._seconds(elapsed)
-        if system.step is None:
-            doc = "Remember the time between two instants, over which states are integrated in one step."
-            statements.append(assign(own("_h"), interval))
-        else:
-            doc = "Divide the time between two instants into equal steps."
-            count = infix("/", PRODUCT, elapsed, Constant(f"{system.step:_}"))
-            ceil = self.imports.standard("math", "ceil")
-            statements.append(assign(own("_steps"), counted_to(call(ceil, count))))
-            statements.append(assign(own("_h"), infix("/", PRODUCT, interval, call("len", own("_steps")))))
-        if system.method == "rk4":
-            statements.append(assign(own("_half"), infix("/", PRODUCT, own("_h"), WholeNumber(2))))
-            statements.append(assign(own("_sixth"), infix("/", PRODUCT, own("_h"), WholeNumber(6))))
-        return [Function("_divide", ("self", "elapsed: int"), tuple(statements), doc=doc)]
+        return self._evaluation(system, Name("now"), ())

@@ -10,7 +10,7 @@ from math import ceil
 from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import NANOSECONDS, FastPrinter
 from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
-from cspdiag.codegen.python.fast.statements import assigned, refused_unless_finite
+from cspdiag.codegen.python.fast.statements import assigned, is_test, refused_unless_all_finite
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.text.code import (
     PRODUCT,
@@ -31,7 +31,7 @@ from cspdiag.codegen.shared.equations import changes, defined, read_after_change
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.expressions import FunctionCall
+from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import ProcessClass, SubmodelState
 
 _SECOND = 1_000_000_000
@@ -76,8 +76,7 @@ class InlineLaw:
         """One run: the equations, then the integration, then the next values, each computed from the states before the
         run.
         """
-        for equation in self.law.equations:
-            yield from self._equation(equation)
+        yield from self._equations()
         moved: list[Statement] = []
         if self._continuous:
             yield from self._integrated(moved)
@@ -95,14 +94,30 @@ class InlineLaw:
             changed.add(name)
         yield from moved
 
-    def _equation(self, equation: SubmodelEquation | ExternalCall) -> Iterable[Statement]:
-        if isinstance(equation, ExternalCall):
-            return (self._called(equation),)
-        target, value = self.printer.signal(equation.name), equation.value
-        if isinstance(value, FunctionCall) and value.function == "finite":
-            computed = assigned(target, self.printer, value.arguments[0], self.place(equation))
-            return (*computed, refused_unless_finite(target, self.printer.imports))
-        return assigned(target, self.printer, value, self.place(equation))
+    def _equations(self) -> Iterable[Statement]:
+        """The equations, and tests of those that must be finite, together as far as no other fault can come between."""
+        untested: list[tuple[Code, str | None]] = []
+        for equation in self.law.equations:
+            if isinstance(equation, ExternalCall):
+                yield from refused_unless_all_finite(untested, self.printer.imports)
+                untested = []
+                yield self._called(equation)
+                continue
+            target, value, place = self.printer.signal(equation.name), equation.value, self.place(equation)
+            is_tested = is_test(value)
+            computed = value.arguments[0] if is_test(value) else value
+            if may_fault(computed):
+                yield from refused_unless_all_finite(untested, self.printer.imports)
+                untested = []
+            yield from assigned(target, self.printer, computed, place)
+            if is_tested:
+                untested.append((target, place))
+        yield from refused_unless_all_finite(untested, self.printer.imports)
+
+    def finite_signals(self) -> list[Code]:
+        """The signals that are finite, or a run has raised a fault."""
+        equations = [item for item in self.law.equations if isinstance(item, SubmodelEquation)]
+        return [self.printer.signal(item.name) for item in equations if is_test(item.value)]
 
     def _called(self, item: ExternalCall) -> Statement:
         given = tuple(Argument(self.printer.print(value), identifier(port)) for port, value in item.inputs)
@@ -173,9 +188,9 @@ class InlineLaw:
             yield from inline.statements()
         else:
             yield For("_", counted_to(self._steps), tuple(inline.statements()))
-        for name, copy in local.items():
-            yield refused_unless_finite(Name(copy), self.printer.imports, self._place_of_state(name))
-            moved.append(assign(self.printer.signal(name), Name(copy)))
+        copies = [(Name(copy), self._place_of_state(name)) for name, copy in local.items()]
+        yield from refused_unless_all_finite(copies, self.printer.imports)
+        moved += [assign(self.printer.signal(name), Name(copy)) for name, copy in local.items()]
 
 
 def reset_statements(

@@ -36,8 +36,10 @@ class LawSteps(Values):
                     inline = self._inline_law(step)
                     self.prologue += inline.prologue()
                     inner += inline.statements()
+                    self.communications.finite = frozenset(inline.finite_signals())
                 case _:
                     raise AssertionError(f"{type(step).__name__} is no part of a step of a law")
+        self.communications.finite = frozenset()
         if not inner:
             return
         yield assign(me.field("process"), part)

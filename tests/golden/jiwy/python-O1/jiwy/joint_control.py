@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 from .exceptions import ModeFailed
 from .runtime import (
     After,
@@ -223,7 +225,11 @@ class JointControl(Routine):
                     if me.cancelled:
                         raise Cancelled
                     if not feedback.fresh:
-                        feedback.wait(me)
+                        if feedback.begun and feedback.waiter is None:
+                            me.waiting = feedback
+                            feedback.waiter = me
+                        else:
+                            feedback.wait(me)
                         yield
                         if me.cancelled:
                             raise Cancelled
@@ -261,8 +267,6 @@ class JointControl(Routine):
                         if alignL_velocity_sum > 1.5
                         else alignL_velocity_sum
                     )
-                    if alignL_velocity_control - alignL_velocity_control != 0.0:
-                        finite(alignL_velocity_control)
                     # laws.csp:115
                     alignL_velocity_pressing = (
                         alignL_velocity_velocity < 0.1
@@ -277,19 +281,23 @@ class JointControl(Routine):
                     )
                     alignL_velocity_stop = alignL_velocity_held >= 0.1  # laws.csp:118
                     alignL_velocity_filtered_next = alignL_velocity_velocity  # laws.csp:112
-                    if alignL_velocity_filtered_next - alignL_velocity_filtered_next != 0.0:
-                        finite(alignL_velocity_filtered_next)
                     # laws.csp:113
                     alignL_velocity_ui_next = (
                         alignL_velocity_i
                         if alignL_velocity_sum == alignL_velocity_control
                         else alignL_velocity_ui
                     )
-                    if alignL_velocity_ui_next - alignL_velocity_ui_next != 0.0:
-                        finite(alignL_velocity_ui_next)
                     alignL_velocity_pressed_next = alignL_velocity_held  # laws.csp:117
-                    if alignL_velocity_pressed_next - alignL_velocity_pressed_next != 0.0:
-                        finite(alignL_velocity_pressed_next)
+                    if not isfinite(
+                        alignL_velocity_control
+                        + alignL_velocity_filtered_next
+                        + alignL_velocity_ui_next
+                        + alignL_velocity_pressed_next,
+                    ):
+                        finite(alignL_velocity_control)  # laws.csp:109
+                        finite(alignL_velocity_filtered_next)  # laws.csp:112
+                        finite(alignL_velocity_ui_next)  # laws.csp:113
+                        finite(alignL_velocity_pressed_next)  # laws.csp:117
                     alignL_velocity_moving = True  # laws.csp:110
                     alignL_velocity_last = alignL_velocity_feedback  # laws.csp:111
                     alignL_velocity_filtered = alignL_velocity_filtered_next  # laws.csp:112
@@ -298,12 +306,9 @@ class JointControl(Routine):
                     # laws.csp:88  outputs of alignL.velocity
                     if me.cancelled:
                         raise Cancelled
-                    if alignL_velocity_control - alignL_velocity_control == 0.0:
-                        control.latched = alignL_velocity_control
-                        control.writer = me
-                        control.written = True
-                    else:
-                        control.offer(me, alignL_velocity_control)
+                    control.latched = alignL_velocity_control
+                    control.writer = me
+                    control.written = True
                     leftmax.value = alignL_velocity_feedback
                     alignL_stop = alignL_velocity_stop
                 except Exception as error:
@@ -324,7 +329,11 @@ class JointControl(Routine):
                     if me.cancelled:
                         raise Cancelled
                     if not feedback_2.fresh:
-                        feedback_2.wait(me)
+                        if feedback_2.begun and feedback_2.waiter is None:
+                            me.waiting = feedback_2
+                            feedback_2.waiter = me
+                        else:
+                            feedback_2.wait(me)
                         yield
                         if me.cancelled:
                             raise Cancelled
@@ -362,8 +371,6 @@ class JointControl(Routine):
                         if alignR_velocity_sum > 1.5
                         else alignR_velocity_sum
                     )
-                    if alignR_velocity_control - alignR_velocity_control != 0.0:
-                        finite(alignR_velocity_control)
                     # laws.csp:115
                     alignR_velocity_pressing = (
                         alignR_velocity_velocity < 0.1
@@ -378,19 +385,23 @@ class JointControl(Routine):
                     )
                     alignR_velocity_stop = alignR_velocity_held >= 0.1  # laws.csp:118
                     alignR_velocity_filtered_next = alignR_velocity_velocity  # laws.csp:112
-                    if alignR_velocity_filtered_next - alignR_velocity_filtered_next != 0.0:
-                        finite(alignR_velocity_filtered_next)
                     # laws.csp:113
                     alignR_velocity_ui_next = (
                         alignR_velocity_i
                         if alignR_velocity_sum == alignR_velocity_control
                         else alignR_velocity_ui
                     )
-                    if alignR_velocity_ui_next - alignR_velocity_ui_next != 0.0:
-                        finite(alignR_velocity_ui_next)
                     alignR_velocity_pressed_next = alignR_velocity_held  # laws.csp:117
-                    if alignR_velocity_pressed_next - alignR_velocity_pressed_next != 0.0:
-                        finite(alignR_velocity_pressed_next)
+                    if not isfinite(
+                        alignR_velocity_control
+                        + alignR_velocity_filtered_next
+                        + alignR_velocity_ui_next
+                        + alignR_velocity_pressed_next,
+                    ):
+                        finite(alignR_velocity_control)  # laws.csp:109
+                        finite(alignR_velocity_filtered_next)  # laws.csp:112
+                        finite(alignR_velocity_ui_next)  # laws.csp:113
+                        finite(alignR_velocity_pressed_next)  # laws.csp:117
                     alignR_velocity_moving = True  # laws.csp:110
                     alignR_velocity_last = alignR_velocity_feedback  # laws.csp:111
                     alignR_velocity_filtered = alignR_velocity_filtered_next  # laws.csp:112
@@ -399,12 +410,9 @@ class JointControl(Routine):
                     # laws.csp:88  outputs of alignR.velocity
                     if me.cancelled:
                         raise Cancelled
-                    if alignR_velocity_control - alignR_velocity_control == 0.0:
-                        control.latched = alignR_velocity_control
-                        control.writer = me
-                        control.written = True
-                    else:
-                        control.offer(me, alignR_velocity_control)
+                    control.latched = alignR_velocity_control
+                    control.writer = me
+                    control.written = True
                     rightmax.value = alignR_velocity_feedback
                     alignR_stop = alignR_velocity_stop
                 except Exception as error:
@@ -430,7 +438,11 @@ class JointControl(Routine):
                     if me.cancelled:
                         raise Cancelled
                     if not feedback_4.fresh:
-                        feedback_4.wait(me)
+                        if feedback_4.begun and feedback_4.waiter is None:
+                            me.waiting = feedback_4
+                            feedback_4.waiter = me
+                        else:
+                            feedback_4.wait(me)
                         yield
                         if me.cancelled:
                             raise Cancelled
@@ -453,8 +465,6 @@ class JointControl(Routine):
                         if x1 > (x3 := homing_servo_rightmax - 0.05)
                         else x1
                     )
-                    if homing_servo_reference - homing_servo_reference != 0.0:
-                        finite(homing_servo_reference)
                     # laws.csp:35
                     homing_servo_profile_from = (
                         homing_servo_profile_last
@@ -485,6 +495,8 @@ class JointControl(Routine):
                         * (homing_servo_pid_error - homing_servo_pid_e1)
                         + homing_servo_sample * homing_servo_pid_kp * homing_servo_pid_error
                     )
+                    if homing_servo_reference - homing_servo_reference != 0.0:
+                        finite(homing_servo_reference)  # laws.csp:72
                     # laws.csp:16
                     homing_servo_pid_i = (
                         homing_servo_pid_ui
@@ -515,8 +527,6 @@ class JointControl(Routine):
                         if x1 > 12.0
                         else x1
                     )
-                    if homing_servo_control - homing_servo_control != 0.0:
-                        finite(homing_servo_control)
                     # laws.csp:80
                     homing_servo_standing = (
                         homing_servo_arrived + homing_servo_sample
@@ -525,25 +535,29 @@ class JointControl(Routine):
                     )
                     homing_servo_stop = homing_servo_standing >= 0.1  # laws.csp:82
                     homing_servo_profile_last_next = homing_servo_profile_angle  # laws.csp:39
-                    if homing_servo_profile_last_next - homing_servo_profile_last_next != 0.0:
-                        finite(homing_servo_profile_last_next)
                     homing_servo_pid_e1_next = homing_servo_pid_error  # laws.csp:20
-                    if homing_servo_pid_e1_next - homing_servo_pid_e1_next != 0.0:
-                        finite(homing_servo_pid_e1_next)
                     homing_servo_pid_ud_next = homing_servo_pid_d  # laws.csp:21
-                    if homing_servo_pid_ud_next - homing_servo_pid_ud_next != 0.0:
-                        finite(homing_servo_pid_ud_next)
                     # laws.csp:22
                     homing_servo_pid_ui_next = (
                         homing_servo_pid_i
                         if homing_servo_pid_sum == homing_servo_pid_output
                         else homing_servo_pid_ui
                     )
-                    if homing_servo_pid_ui_next - homing_servo_pid_ui_next != 0.0:
-                        finite(homing_servo_pid_ui_next)
                     homing_servo_arrived_next = homing_servo_standing  # laws.csp:81
-                    if homing_servo_arrived_next - homing_servo_arrived_next != 0.0:
-                        finite(homing_servo_arrived_next)
+                    if not isfinite(
+                        homing_servo_control
+                        + homing_servo_profile_last_next
+                        + homing_servo_pid_e1_next
+                        + homing_servo_pid_ud_next
+                        + homing_servo_pid_ui_next
+                        + homing_servo_arrived_next,
+                    ):
+                        finite(homing_servo_control)  # laws.csp:78
+                        finite(homing_servo_profile_last_next)  # laws.csp:39
+                        finite(homing_servo_pid_e1_next)  # laws.csp:20
+                        finite(homing_servo_pid_ud_next)  # laws.csp:21
+                        finite(homing_servo_pid_ui_next)  # laws.csp:22
+                        finite(homing_servo_arrived_next)  # laws.csp:81
                     homing_servo_profile_moving = True  # laws.csp:38
                     homing_servo_profile_last = homing_servo_profile_last_next  # laws.csp:39
                     homing_servo_pid_e1 = homing_servo_pid_e1_next  # laws.csp:20
@@ -553,12 +567,9 @@ class JointControl(Routine):
                     # laws.csp:56  outputs of homing.servo
                     if me.cancelled:
                         raise Cancelled
-                    if homing_servo_control - homing_servo_control == 0.0:
-                        control.latched = homing_servo_control
-                        control.writer = me
-                        control.written = True
-                    else:
-                        control.offer(me, homing_servo_control)
+                    control.latched = homing_servo_control
+                    control.writer = me
+                    control.written = True
                     homing_reference = homing_servo_reference
                     homing_stop = homing_servo_stop
                 except Exception as error:
@@ -686,11 +697,6 @@ class JointControl(Routine):
                                     if x1 > (x3 := motionControl_servo_rightmax - 0.05)
                                     else x1
                                 )
-                                if (
-                                    motionControl_servo_reference - motionControl_servo_reference
-                                    != 0.0
-                                ):
-                                    finite(motionControl_servo_reference)
                                 # laws.csp:35
                                 motionControl_servo_profile_from = (
                                     motionControl_servo_profile_last
@@ -734,6 +740,11 @@ class JointControl(Routine):
                                     * motionControl_servo_pid_kp
                                     * motionControl_servo_pid_error
                                 )
+                                if (
+                                    motionControl_servo_reference - motionControl_servo_reference
+                                    != 0.0
+                                ):
+                                    finite(motionControl_servo_reference)  # laws.csp:72
                                 # laws.csp:16
                                 motionControl_servo_pid_i = (
                                     motionControl_servo_pid_ui
@@ -773,8 +784,6 @@ class JointControl(Routine):
                                     if x1 > 12.0
                                     else x1
                                 )
-                                if motionControl_servo_control - motionControl_servo_control != 0.0:
-                                    finite(motionControl_servo_control)
                                 # laws.csp:80
                                 motionControl_servo_standing = (
                                     motionControl_servo_arrived + motionControl_servo_sample
@@ -788,48 +797,32 @@ class JointControl(Routine):
                                 motionControl_servo_profile_last_next = (
                                     motionControl_servo_profile_angle
                                 )
-                                if (
-                                    motionControl_servo_profile_last_next
-                                    - motionControl_servo_profile_last_next
-                                    != 0.0
-                                ):
-                                    finite(motionControl_servo_profile_last_next)
                                 # laws.csp:20
                                 motionControl_servo_pid_e1_next = motionControl_servo_pid_error
-                                if (
-                                    motionControl_servo_pid_e1_next
-                                    - motionControl_servo_pid_e1_next
-                                    != 0.0
-                                ):
-                                    finite(motionControl_servo_pid_e1_next)
                                 # laws.csp:21
                                 motionControl_servo_pid_ud_next = motionControl_servo_pid_d
-                                if (
-                                    motionControl_servo_pid_ud_next
-                                    - motionControl_servo_pid_ud_next
-                                    != 0.0
-                                ):
-                                    finite(motionControl_servo_pid_ud_next)
                                 # laws.csp:22
                                 motionControl_servo_pid_ui_next = (
                                     motionControl_servo_pid_i
                                     if motionControl_servo_pid_sum == motionControl_servo_pid_output
                                     else motionControl_servo_pid_ui
                                 )
-                                if (
-                                    motionControl_servo_pid_ui_next
-                                    - motionControl_servo_pid_ui_next
-                                    != 0.0
-                                ):
-                                    finite(motionControl_servo_pid_ui_next)
                                 # laws.csp:81
                                 motionControl_servo_arrived_next = motionControl_servo_standing
-                                if (
-                                    motionControl_servo_arrived_next
-                                    - motionControl_servo_arrived_next
-                                    != 0.0
+                                if not isfinite(
+                                    motionControl_servo_control
+                                    + motionControl_servo_profile_last_next
+                                    + motionControl_servo_pid_e1_next
+                                    + motionControl_servo_pid_ud_next
+                                    + motionControl_servo_pid_ui_next
+                                    + motionControl_servo_arrived_next,
                                 ):
-                                    finite(motionControl_servo_arrived_next)
+                                    finite(motionControl_servo_control)  # laws.csp:78
+                                    finite(motionControl_servo_profile_last_next)  # laws.csp:39
+                                    finite(motionControl_servo_pid_e1_next)  # laws.csp:20
+                                    finite(motionControl_servo_pid_ud_next)  # laws.csp:21
+                                    finite(motionControl_servo_pid_ui_next)  # laws.csp:22
+                                    finite(motionControl_servo_arrived_next)  # laws.csp:81
                                 motionControl_servo_profile_moving = True  # laws.csp:38
                                 # laws.csp:39
                                 motionControl_servo_profile_last = (
@@ -846,12 +839,9 @@ class JointControl(Routine):
                                 # laws.csp:56  outputs of motionControl.servo
                                 if me.cancelled:
                                     raise Cancelled
-                                if motionControl_servo_control - motionControl_servo_control == 0.0:
-                                    control.latched = motionControl_servo_control
-                                    control.writer = me
-                                    control.written = True
-                                else:
-                                    control.offer(me, motionControl_servo_control)
+                                control.latched = motionControl_servo_control
+                                control.writer = me
+                                control.written = True
                                 motionControl_reference = motionControl_servo_reference
                             except Exception as error:
                                 me.process = motionControl_process
