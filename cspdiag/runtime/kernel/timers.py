@@ -82,15 +82,22 @@ class Timers:
         present = self.at.get(instant)
         if isinstance(present, dict):
             for timer in list(present):
-                if self.stop(instant, timer):
+                if timer in present:
+                    del present[timer]
+                    if not present:
+                        self._leave(instant)
                     timer.due()
         elif present is not None:
-            del self.at[instant]
-            if self.heap[0] == instant:
-                heappop(self.heap)
-            else:
-                self._left_over += 1
+            self._leave(instant)
             present.due()
+
+    def _leave(self, instant: int) -> None:
+        """Nothing falls due any more at an instant that is reached."""
+        del self.at[instant]
+        if self.heap[0] == instant:
+            heappop(self.heap)
+        else:
+            self._left_over += 1
 
 
 class Sleeper(Party, Protocol):
@@ -131,7 +138,10 @@ def begin_delay(task: Sleeper, duration: int) -> None:
         delay = task.waiting = Delay(task)
     delay.instant = instant = scheduler.now + duration
     timers: Timers = scheduler.timers
-    if timers.at.setdefault(instant, delay) is delay:  # As ``begin``, without a call: most instants differ.
+    first = timers.at.setdefault(instant, delay)  # As ``begin``, without a call.
+    if first is delay:
         heappush(timers.heap, instant)
+    elif isinstance(first, dict):
+        first[delay] = None
     else:
         timers.begin(instant, delay)

@@ -76,7 +76,7 @@ class SampledEnd(LatchedEnd[T]):
         if not self.pace.followed:
             self.pace.followed = True
             for end in self.pace.ends:
-                if not end.begun and end._port.sampled:
+                if not end.begun and end._port.latest is not NO_SAMPLE:
                     end._hold(end._port.latest)
                 end._port.sessions_changed()
         if self.fresh:
@@ -226,7 +226,7 @@ class SampledInput(In[T]):
     """
 
     __slots__ = (
-        "_silent", "accepts", "driver", "ends", "latest", "line", "listening", "missed", "name", "on_miss", "sampled",
+        "_silent", "accepts", "driver", "ends", "latest", "line", "listening", "missed", "name", "on_miss",
         "ticks",
     )  # fmt: skip
 
@@ -244,15 +244,14 @@ class SampledInput(In[T]):
         """Ticks since the last sample."""
         self.missed = 0
         self.on_miss: Literal["timeout", "count"] = "timeout"
-        self.latest: Any = None
-        self.sampled = False
-        """Whether there has been a sample, which is then ``latest``."""
+        self.latest: Any = NO_SAMPLE
+        """The last sample, or NO_SAMPLE."""
 
     def begin(self, on_miss: Literal["timeout", "count"]) -> None:
         """A run begins."""
         self.on_miss = on_miss
         self.missed = self._silent = 0
-        self.sampled = False
+        self.latest = NO_SAMPLE
 
     def reader(self, owner: Owner | None = None) -> SampledEnd[T]:
         """The end of a process, whose session lasts until the process ends."""
@@ -290,7 +289,6 @@ class SampledInput(In[T]):
             return
         self._silent = 0
         self.latest = value
-        self.sampled = True
         scheduler = present(None)
         if scheduler is not None and scheduler.port_logs:
             scheduler.note(self.name, value)
@@ -359,17 +357,16 @@ def _sampling_signals(inputs: Sequence[SampledInput[Any]]) -> Callable[[], None]
     """Ends that wait for a sample after others are served in place."""
     scheduler = present()
     log = scheduler.sample_log
-    noted = [(port, port.line, *scheduler.port_log(port.name)) for port in inputs]
+    is_noted = log is not None or bool(scheduler.port_logs)
+    notes = [scheduler.port_log(port.name) for port in inputs]
+    lines = [(port, port.line) for port in inputs]
 
     def sample() -> None:
-        for port, signal, note_time, note_value in noted:
+        if is_noted:
+            note()
+        enqueue = scheduler.enqueue
+        for port, signal in lines:
             port.latest = value = signal.value
-            port.sampled = True
-            if note_time is not None:
-                note_time(scheduler.now)
-                note_value(value)
-            elif log is not None:
-                log.extend((scheduler.now, port.name, value))
             listening = port.listening
             for end in port.listening_ends() if listening is None else listening:
                 if end.begun and end.pace.followed and not end.fresh:
@@ -378,10 +375,18 @@ def _sampling_signals(inputs: Sequence[SampledInput[Any]]) -> Callable[[], None]
                     waiter = end.waiter
                     if waiter is not None:
                         end.waiter = None
-                        scheduler.enqueue(waiter.entry)
+                        enqueue(waiter.entry)
                     if end.inputs:
                         raise_bits(end.inputs)
                 else:
                     end.sample(value)
+
+    def note() -> None:
+        for (port, signal), (note_time, note_value) in zip(lines, notes, strict=True):
+            if note_time is not None:
+                note_time(scheduler.now)
+                note_value(signal.value)
+            elif log is not None:
+                log.extend((scheduler.now, port.name, signal.value))
 
     return sample
