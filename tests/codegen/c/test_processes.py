@@ -156,6 +156,15 @@ def test_ports_that_count_are_attached_in_loops() -> None:
     assert ".request[1] =" not in star
 
 
+@pytest.mark.parametrize("level", [0, 1])
+def test_no_function_that_initializes_a_process_is_long(level: int) -> None:
+    network = network_of(PROGRAMS / "many_lines_of_instances.csp")
+    line = pipeline.generate(network, read_source, "c", level)["line.c"]
+    parts = line.split("line_initialize")[1:]
+    assert len(parts) > 3
+    assert max(part.count(";") for part in parts) < 250
+
+
 def test_a_long_law_is_one_function_wherever_it_runs() -> None:
     network = network_of(PROGRAMS / "faults_within_long_laws.csp")
     main = pipeline.generate(network, read_source, "c", 1)["main_.c"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from importlib.util import find_spec
 
 import pytest
 
@@ -38,6 +39,32 @@ def test_node_lays_out_as_quickjs_does(monkeypatch: pytest.MonkeyPatch) -> None:
     expected = lay_out(GRAPH)
     engine._runner.cache_clear()
     without_quickjs(monkeypatch)
+    assert lay_out(GRAPH) == expected
+
+
+@needs_engine
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_large_graphs_are_laid_out_by_node(monkeypatch: pytest.MonkeyPatch) -> None:
+    expected = lay_out(GRAPH)
+    asked: list[str] = []
+    in_node = engine._in_node
+
+    def asking(node: str, script: str, graph: str) -> str:
+        asked.append(node)
+        return in_node(node, script, graph)
+
+    monkeypatch.setattr(engine, "_in_node", asking)
+    monkeypatch.setattr(engine, "_LARGE", 10)
+    assert lay_out(GRAPH) == expected
+    assert asked
+
+
+@needs_engine
+@pytest.mark.skipif(find_spec("quickjs") is None, reason="quickjs-ng is not installed")
+def test_a_node_that_fails_is_not_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+    expected = lay_out(GRAPH)
+    monkeypatch.setattr(engine, "_LARGE", 10)
+    monkeypatch.setattr(engine, "_node", lambda: "false")
     assert lay_out(GRAPH) == expected
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import record
@@ -12,11 +13,12 @@ from cspdiag.codegen.c.process.steps.composition import CompositionWriter
 from cspdiag.codegen.c.process.struct.declarations import declared, port_members
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.unwritten import Unwritten
-from cspdiag.codegen.c.text.code import code
+from cspdiag.codegen.c.text.code import call, code, ignored
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import (
     Block,
+    For,
     Function,
     Plain,
     Remark,
@@ -28,6 +30,9 @@ from cspdiag.codegen.c.text.statements import (
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
+
+_LONGEST_INITIALIZATION = 100
+"""The largest number of statements in a function that initializes a process; more are several functions."""
 
 
 @record
@@ -134,7 +139,31 @@ class _Writer:
             rows += [*lines(function), ""]
         for routine in reversed(composition.routines):
             rows += [*routine.text(), "", *routine.table(), ""]
-        return "\n".join([*rows, *lines([Function(*head(self.members, self.struct), tuple(self.initial))]), ""])
+        functions = [line for function in self._initialization() for line in ["", *lines([function])]]
+        return "\n".join([*rows, *functions[1:], ""])
+
+    def _initialization(self) -> list[Function]:
+        """The function that initializes the process, last, and the parts that it calls if it would be long: compilers
+        take more time for one long function than for many short ones, and its lists of ports are all on the stack.
+        """
+        name, parameters = head(self.members, self.struct)
+        statements = tuple(self.initial)
+        if len(statements) <= _LONGEST_INITIALIZATION or not all(map(_stands_alone, statements)):
+            return [Function(name, parameters, statements)]
+        given = [re.split(r"[ *]", parameter)[-1] for parameter in parameters]
+        unused = tuple(run(ignored(code(each))) for each in given[1:])
+        parts: list[Function] = []
+        for start in range(0, len(statements), _LONGEST_INITIALIZATION):
+            part = statements[start : start + _LONGEST_INITIALIZATION]
+            named = f"{name.removeprefix('void ')}_{len(parts) + 1}"
+            parts.append(Function(f"static void {named}", parameters, (*unused, *part)))
+        calls = (run(call(part.head.removeprefix("static void "), *given)) for part in parts)
+        return [*parts, Function(name, parameters, tuple(calls))]
+
+
+def _stands_alone(statement: Statement) -> bool:
+    """Whether a statement of an initialization function uses no name that another one declares."""
+    return isinstance(statement, Block | For | Remark) or (isinstance(statement, Plain) and not statement.declares)
 
 
 def _fields(members: Sequence[StructMember]) -> list[Statement]:
