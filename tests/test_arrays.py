@@ -4,6 +4,7 @@ not time.
 
 from __future__ import annotations
 
+import importlib
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
+from cspdiag.cli.main import main
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
 from cspdiag.proofs.properties.cycles import endless_run
@@ -90,3 +92,20 @@ def test_what_a_proof_leaves_open_is_listed_in_a_few_lines() -> None:
     assert len({abstraction.what for abstraction in livelock.abstractions}) > 20
     assert livelock.reason.count("only ranges are distinguished") < 10
     assert "; and 15 more)" in livelock.reason
+
+
+@pytest.mark.parametrize("level", ["-O0", "-O1"])
+@pytest.mark.parametrize("name", ["ring", "pipeline", "workers", "star"])
+def test_lines_and_an_array_have_the_same_trace(
+    name: str, level: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(str(NETWORKS.parent / "programs"))
+    source = importlib.import_module("scale").source
+    traces: list[str] = []
+    for form in ("lines", "array"):
+        written, trace = tmp_path / f"{form}.csp", tmp_path / f"{form}.jsonl"
+        written.write_text(source(name, form, 12, ends=True), encoding="utf-8")
+        status = main(["run", level, str(written), "--trace", str(trace)])
+        assert (status, "error" in capsys.readouterr().err) in ((0, False), (1, False))
+        traces.append(re.sub(r"(\w)\[(\d+)\]", r"\1\2", trace.read_text(encoding="utf-8")))
+    assert traces[0] == traces[1] != ""
