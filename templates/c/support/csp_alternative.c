@@ -58,15 +58,12 @@ bool csp_awaited(const csp_guard *watchers)
     return guard != NULL;
 }
 
-/* The first guard from `from` on that is enabled and ready, in an alternative of several words; `count` if there is none. */
-static uint32_t first_of_words(const csp_alternative *alternative, uint32_t from)
+/* The first guard that is enabled and ready, in an alternative of several words: of `first` only the guards in `bits`, then those of the following
+ * words; `count` if there is none. */
+static uint32_t first_of_words(const csp_alternative *alternative, uint32_t first, csp_word bits)
 {
-    uint32_t word = from / CSP_WORD_BITS;
-    if (word >= CSP_WORDS(alternative->count)) {
-        return alternative->count;
-    }
-    csp_word ready =
-        alternative->more_ready[word] & alternative->more_enabled[word] & bits_from(from % CSP_WORD_BITS);
+    uint32_t word = first;
+    csp_word ready = alternative->more_ready[word] & alternative->more_enabled[word] & bits;
     csp_word words = alternative->ready & bits_from(word + 1U);
     while ((ready == 0U) && (words != 0U)) {
         word = csp_lowest_bit(words);
@@ -230,8 +227,13 @@ static inline void remember(csp_alternative *alternative, uint32_t index)
 {
     alternative->chosen = (uint16_t)index;
     if (!alternative->prioritized) {
-        alternative->after_last = (uint16_t)(index + 1U);
-        alternative->after = bits_from(index + 1U);
+        alternative->after = bits_from((index % CSP_WORD_BITS) + 1U);
+        if (alternative->more_ready != NULL) {
+            const uint32_t word = index / CSP_WORD_BITS;
+            alternative->present_ready = &alternative->more_ready[word];
+            alternative->present_enabled = &alternative->more_enabled[word];
+            alternative->present_guard = &alternative->guard[word * CSP_WORD_BITS];
+        }
     }
 }
 
@@ -242,17 +244,18 @@ static uint32_t first_choice(const csp_alternative *alternative)
         const csp_word after = ready & alternative->after;
         return (ready == 0U) ? alternative->count : csp_lowest_bit((after != 0U) ? after : ready);
     }
-    const uint32_t index = first_of_words(alternative, alternative->after_last);
-    return ((index < alternative->count) || (alternative->after_last == 0U)) ? index : first_of_words(alternative, 0U);
+    const uint32_t present = (uint32_t)(alternative->present_guard->index / CSP_WORD_BITS);
+    const uint32_t index =
+        alternative->prioritized ? alternative->count : first_of_words(alternative, present, alternative->after);
+    return (index < alternative->count) ? index : first_of_words(alternative, 0U, ~(csp_word)0U);
 }
 
 csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t index)
 {
     csp_guard *const guard = &alternative->guard[index];
-    csp_any_channel *const channel = guard->channel;
     remember(alternative, index);
-    if ((channel->writers.first != NULL) && (alternative->time_outs == 0U)) {
-        csp_any_from_writer(party, channel, guard->slot, guard->size);
+    if (guard->direct && (alternative->time_outs == 0U)) {
+        csp_any_from_writer(party, (csp_any_channel *)(void *)guard->medium, guard->slot, guard->size);
         return CSP_DONE;
     }
     return communicate(party, alternative, guard);

@@ -43,25 +43,22 @@ typedef enum csp_guard_kind {
     CSP_GUARD_SKIP /* also for communications that never wait (variables, constants, outputs to the outside), which generated code makes itself */
 } csp_guard_kind;
 
-typedef struct csp_any_channel csp_any_channel;
-
 struct csp_guard {
-    csp_guard *next;     /* the next guard that watches the same channel */
-    csp_guard *enrolled; /* the next guard that waits there, if alternatives are on both sides */
+    csp_guard *next; /* the next guard that watches the same channel */
     csp_alternative *alternative;
-    csp_word *word;      /* the word of the alternative with the bit of this guard */
+    csp_word *word; /* the word of the alternative with the bit of this guard */
     csp_word bit;
-    csp_word word_bit;   /* the bit of that word in the set of non-zero words; 0 if there is only one word */
     csp_medium *medium;
-    csp_any_channel *channel; /* the medium of an input guard on a rendezvous; otherwise csp_no_channel */
-    csp_timer *timer;
     void *slot;
-    int64_t duration; /* of a time-out */
-    uint32_t size;    /* of the value */
+    uint32_t size; /* of the value */
     uint16_t index;
-    uint8_t kind;    /* csp_guard_kind */
-    bool attends;    /* the channel has to be notified when the alternative waits */
+    uint8_t kind;  /* csp_guard_kind */
+    bool direct;   /* reads on a rendezvous that no other guard watches: while it is ready, a writer waits there */
+    bool attends;  /* the channel has to be notified when the alternative waits */
     bool is_enrolled;
+    csp_guard *enrolled; /* the next guard that waits there, if alternatives are on both sides */
+    csp_timer *timer;
+    int64_t duration; /* of a time-out */
 };
 
 /* The words of an alternative of more than CSP_WORD_BITS guards, CSP_WORDS(count) each. */
@@ -70,16 +67,20 @@ struct csp_guard {
 struct csp_alternative {
     csp_word ready;   /* bits of the guards, or of the non-zero words of `more_ready` */
     csp_word enabled; /* bits of the guards; not used with several words */
-    csp_word after;   /* bits of the guards after the one that was chosen last */
+    csp_word after;   /* bits of the guards after the one that was chosen last, in the present word */
     csp_word fair;    /* all bits, or none: prioritized */
-    csp_word quick;   /* all bits, or none: more than one word, or time-outs */
+    csp_word quick;   /* all bits, or none: time-outs */
+    csp_word around;  /* all bits, or none: several words */
+    /* The present word, with the guard that was chosen last: bits of ready and of enabled guards, and the guard of its lowest bit. */
+    csp_word *present_ready;
+    const csp_word *present_enabled;
+    csp_guard *present_guard;
     csp_word *more_ready;
     csp_word *more_enabled;
     csp_guard *guard;
     csp_party *process; /* while it waits */
     uint32_t began;     /* number of the wait: alternatives are numbered in the order in which they began to wait */
     uint16_t count;
-    uint16_t after_last; /* the same as `after`, with several words */
     uint16_t chosen;     /* the guard */
     uint16_t time_outs;  /* number of guards with `after` */
     uint16_t attending;  /* number of guards that attend */
@@ -95,19 +96,25 @@ struct csp_alternative {
     struct csp_interrupt *interrupt; /* the interrupt whose guard this is, or NULL */
 };
 
+/* The bit of the guard's word in the set of words that are not zero. */
+static inline csp_word csp_bit_of_word(const csp_guard *guard)
+{
+    return (csp_word)1U << (guard->index / CSP_WORD_BITS);
+}
+
 static inline void csp_set_bit(const csp_guard *guard)
 {
     *guard->word |= guard->bit;
-    if (guard->word_bit != 0U) {
-        guard->alternative->ready |= guard->word_bit;
+    if (guard->alternative->around == 0U) {
+        guard->alternative->ready |= csp_bit_of_word(guard);
     }
 }
 
 static inline void csp_clear_bit(const csp_guard *guard)
 {
     *guard->word &= ~guard->bit;
-    if ((guard->word_bit != 0U) && (*guard->word == 0U)) {
-        guard->alternative->ready &= ~guard->word_bit;
+    if ((guard->alternative->around == 0U) && (*guard->word == 0U)) {
+        guard->alternative->ready &= ~csp_bit_of_word(guard);
     }
 }
 

@@ -13,19 +13,19 @@ void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16
     alternative->count = count;
     alternative->prioritized = prioritized;
     alternative->fair = prioritized ? 0U : ~(csp_word)0U;
-    alternative->quick = (words == NULL) ? ~(csp_word)0U : 0U;
+    alternative->after = alternative->fair;
+    alternative->quick = ~(csp_word)0U;
+    alternative->around = (words == NULL) ? ~(csp_word)0U : 0U;
     alternative->more_ready = words;
     alternative->more_enabled = (words == NULL) ? NULL : &words[CSP_WORDS(count)];
+    alternative->present_ready = (words == NULL) ? &alternative->ready : alternative->more_ready;
+    alternative->present_enabled = (words == NULL) ? &alternative->enabled : alternative->more_enabled;
+    alternative->present_guard = guard;
     for (uint16_t index = 0U; index < count; index++) {
         guard[index].alternative = alternative;
         guard[index].index = index;
         guard[index].bit = bit_of(index);
-        guard[index].word = &alternative->ready;
-        guard[index].word_bit = 0U;
-        if (words != NULL) {
-            guard[index].word = &words[index / CSP_WORD_BITS];
-            guard[index].word_bit = bit_of(index / CSP_WORD_BITS);
-        }
+        guard[index].word = (words == NULL) ? &alternative->ready : &words[index / CSP_WORD_BITS];
     }
 }
 
@@ -34,7 +34,6 @@ void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *me
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_INPUT;
     guard->medium = medium;
-    guard->channel = (medium->kind == (uint8_t)CSP_ANY) ? (csp_any_channel *)(void *)medium : &csp_no_channel;
     guard->slot = value;
     guard->size = (uint32_t)size;
     csp_watch_input(guard);
@@ -44,7 +43,6 @@ void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *m
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_READY;
-    guard->channel = &csp_no_channel;
     guard->medium = medium;
     csp_watch_input(guard);
 }
@@ -53,7 +51,6 @@ void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *m
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_OUTPUT;
-    guard->channel = &csp_no_channel;
     guard->medium = medium;
     guard->slot = value;
     guard->size = (uint32_t)size;
@@ -65,7 +62,6 @@ void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *ti
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_AFTER;
     guard->next = NULL;
-    guard->channel = &csp_no_channel;
     guard->medium = NULL;
     guard->timer = timer;
     alternative->time_outs++;
@@ -76,7 +72,6 @@ void csp_guard_skip(csp_alternative *alternative, uint16_t index)
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_SKIP;
-    guard->channel = &csp_no_channel;
     guard->medium = NULL;
     csp_set_bit(guard);
 }

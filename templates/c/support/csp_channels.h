@@ -11,16 +11,15 @@
 
 /* ---- Rendezvous: `any`, and `sync` channels with guards ---- */
 
-struct csp_any_channel {
+typedef struct csp_any_channel {
     csp_medium medium;
     csp_queue readers; /* at most one of the two queues is not empty */
     csp_queue writers;
     csp_guard *inputs;  /* guards that watch for a writer or a reader */
     csp_guard *outputs;
-    csp_guard *only;    /* the input guard, if there is exactly one */
     csp_guard *reading; /* guards of waiting alternatives, if alternatives are on both sides */
     csp_guard *writing;
-};
+} csp_any_channel;
 
 /* Takes the party that has waited longest out of a queue that is not empty. */
 static inline csp_party *csp_leave(csp_queue *queue)
@@ -83,30 +82,30 @@ static inline csp_progress csp_any_write(csp_party *party, csp_any_channel *chan
 csp_progress csp_select_any(csp_party *party, csp_alternative *alternative);
 csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t index);
 
-/* The placeholder for the channel of guards other than input guards on a rendezvous. */
-extern csp_any_channel csp_no_channel;
-
-/* The common case inline: an alternative of one word reads from a waiting writer that no other guard watches. */
+/* The common case inline: a guard of the present word reads from a waiting writer. */
 static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative)
 {
-    const csp_word ready = alternative->ready & alternative->enabled & alternative->quick;
+    const csp_word ready = *alternative->present_ready & *alternative->present_enabled & alternative->quick;
     const csp_word after = ready & alternative->after;
-    const csp_word candidates = (after != 0U) ? after : ready;
+    const csp_word candidates = (after != 0U) ? after : (ready & alternative->around);
     if ((candidates == 0U) || csp_is_cancelled(party)) {
         return csp_select_any(party, alternative);
     }
     const csp_word bit = candidates & (csp_word)(0U - candidates);
-    const uint32_t index = csp_lowest_bit(bit);
-    const csp_guard *const guard = &alternative->guard[index];
-    csp_any_channel *const channel = guard->channel;
-    if ((channel->only != guard) || (channel->writers.first == NULL)) {
-        return csp_choose(party, alternative, index);
+    csp_guard *const guard = &alternative->present_guard[csp_lowest_bit(bit)];
+    if (!guard->direct) {
+        return csp_choose(party, alternative, guard->index);
     }
+    csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
     csp_party *const writer = csp_leave(&channel->writers);
     alternative->after = (csp_word)(0U - (bit << 1U)) & alternative->fair;
-    alternative->chosen = (uint16_t)index;
-    if ((channel->writers.first == NULL) && (channel->writing == NULL)) {
-        alternative->ready &= ~bit;
+    alternative->chosen = guard->index;
+    if (channel->writers.first == NULL) {
+        const csp_word others = *alternative->present_ready & ~bit;
+        *alternative->present_ready = others;
+        if ((others == 0U) && (alternative->around == 0U)) {
+            alternative->ready &= ~csp_bit_of_word(guard);
+        }
     }
     csp_copy(guard->slot, writer->slot, guard->size);
     csp_ready(writer);

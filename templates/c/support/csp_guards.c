@@ -70,12 +70,12 @@ void csp_attend(csp_guard *watchers)
     }
 }
 
-csp_any_channel csp_no_channel;
-
-/* Sets `only` if there is exactly one input guard. */
-static void find_only(csp_any_channel *channel)
+static void find_direct(csp_any_channel *channel)
 {
-    channel->only = ((channel->inputs != NULL) && (channel->inputs->next == NULL)) ? channel->inputs : NULL;
+    for (csp_guard *guard = channel->inputs; guard != NULL; guard = guard->next) {
+        guard->direct = (guard == channel->inputs) && (guard->next == NULL) && (channel->outputs == NULL) &&
+                        (guard->kind == (uint8_t)CSP_GUARD_INPUT);
+    }
 }
 
 void csp_watch_input(csp_guard *guard)
@@ -84,7 +84,7 @@ void csp_watch_input(csp_guard *guard)
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_watch(&channel->inputs, guard);
-        find_only(channel);
+        find_direct(channel);
         if ((channel->writers.first != NULL) || (channel->writing != NULL)) {
             csp_set_bit(guard);
         }
@@ -143,6 +143,7 @@ void csp_watch_output(csp_guard *guard)
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_watch(&channel->outputs, guard);
+        find_direct(channel);
         if ((channel->readers.first != NULL) || (channel->reading != NULL)) {
             csp_set_bit(guard);
         }
@@ -186,7 +187,8 @@ void csp_unwatch_guard(csp_guard *guard)
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_unwatch(&channel->inputs, guard);
         csp_unwatch(&channel->outputs, guard);
-        find_only(channel);
+        guard->direct = false;
+        find_direct(channel);
         break;
     }
     case CSP_BUFFER: {
