@@ -4,6 +4,7 @@ from __future__ import annotations
 
 # The module `signal` takes as long to load as all that asking a server takes.
 import _signal  # type: ignore[import-not-found]
+import gc
 import sys
 
 
@@ -23,8 +24,11 @@ def main() -> int:
 
 
 def _by_this_process() -> int:
+    # What is loaded is needed to the end, so there is no garbage to look for.
+    gc.disable()
     from cspdiag.cli.main import main as run
 
+    gc.enable()
     return run()
 
 

@@ -13,7 +13,6 @@ from cspdiag.base.record import EMPTY, node, replaced
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.syntax.parse.nesting import raised_recursion_limit
-from cspdiag.syntax.parser import parse
 
 if TYPE_CHECKING:
     from cspdiag.base.diagnostic import Label
@@ -92,21 +91,21 @@ def check(
     read: Reader,
     overrides: Mapping[str, Value] | None = None,
     *,
-    parse: Callable[[SourceFile, Report], SourceTree] = parse,
+    parse: Callable[[SourceFile, Report], SourceTree] | None = None,
 ) -> Checked:
     """Find all errors in a program and the files it imports.
 
-    ``overrides`` replaces the values of constants by name; ``parse`` may remember trees. No program makes it raise an
-    exception.
+    ``overrides`` replaces the values of constants by name; ``parse`` gives the trees of files, if they are to be
+    remembered. No program makes it raise an exception.
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
-    from cspdiag.model.names.imports import load
+    from cspdiag.model.names.imports import load, parsed
     from cspdiag.model.names.resolve import resolve
     from cspdiag.syntax.parse.soundness import part_without_errors
 
     report = Report()
-    trees = load(main, read, report, parse)
+    trees = load(main, read, report, parse or parsed)
     if not trees:
         return Checked(program=None, report=report)
     broken = [found for found in report.diagnostics if not isinstance(found, ImportFailure)]

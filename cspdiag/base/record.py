@@ -36,10 +36,6 @@ class _Shared:
         shown = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.__record_fields__ if name != "span")
         return f"{type(self).__name__}({shown})"
 
-    def __getstate__(self) -> dict[str, Any]:
-        # The hash of a text differs from one process to the next, so it is not pickled.
-        return {name: value for name, value in self.__dict__.items() if name != "__record_hash__"}
-
 
 def _keep(values: dict[str, Any]) -> None:
     values.pop("self").__dict__.update(values)
@@ -90,6 +86,14 @@ def _hash(self: Any) -> int:
     return known
 
 
+def _state(self: Any) -> dict[str, Any]:
+    # The hash of a text differs from one process to the next, so it is not pickled.
+    values: dict[str, Any] = self.__dict__
+    if "__record_hash__" not in values:
+        return values
+    return {name: value for name, value in values.items() if name != "__record_hash__"}
+
+
 def _less(self: Any, other: Any) -> Any:
     values: Callable[[Any], Any] = self.__record_values__
     return values(self) < values(other) if type(self) is type(other) else NotImplemented
@@ -113,7 +117,7 @@ def _prepare(cls: Any, kw_only: bool) -> None:
     if "__init__" not in vars(cls):
         by_name = names if not positional else tuple(name for name in names if name not in positional)
         cls.__init__ = _constructor(cls, positional, by_name)
-    for method in ("__setattr__", "__delattr__", "__repr__", "__getstate__"):
+    for method in ("__setattr__", "__delattr__", "__repr__"):
         if getattr(cls, method) is getattr(object, method):
             setattr(cls, method, getattr(_Shared, method))
 
@@ -159,6 +163,8 @@ def _compare_by_value(cls: Any, order: bool) -> None:
     cls.__record_hash__ = None
     cls.__eq__ = _equal
     cls.__hash__ = _hash
+    if cls.__getstate__ is object.__getstate__:
+        cls.__getstate__ = _state
     if order:
         cls.__lt__ = _less
 

@@ -185,6 +185,9 @@ def _run(verb: str, options: list[str], whole_process: bool) -> int:
     finally:
         if collects:
             gc.enable()
+        if whole_process and verb != "run":
+            # The interpreter would look for garbage twice when it ends.
+            gc.freeze()
 
 
 def _module(verb: str) -> Verb:

@@ -60,4 +60,4 @@ def test_asking_a_server_loads_almost_nothing() -> None:
     ask = "from cspdiag.__main__ import main\nfrom cspdiag.cli.server import client\nclient.answered(['check'])"
     loaded = modules_after(ask) - modules_after("")
     needed = ("__main__", "cli", "cli.server", "cli.server.client", "cli.server.messages", "cli.server.place")
-    assert loaded - {"__future__", "_socket"} == {"cspdiag", *(f"cspdiag.{name}" for name in needed)}
+    assert loaded - {"__future__", "_socket", "gc"} == {"cspdiag", *(f"cspdiag.{name}" for name in needed)}

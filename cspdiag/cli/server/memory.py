@@ -14,8 +14,8 @@ from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.pipeline import Reader, check
+from cspdiag.syntax import kept
 from cspdiag.syntax.ast import SourceTree
-from cspdiag.syntax.parser import parse
 
 MAX_CHARACTERS = 1_000_000
 """How much text is remembered, as trees and as programs. A tree takes about 150 bytes a character."""
@@ -97,6 +97,8 @@ class Memory:
 
     def _parse(self, source: SourceFile, report: Report) -> SourceTree:
         key = source.name, source.text
+        from cspdiag.syntax.parser import parse
+
         known = self._trees.get(key)
         if known is None:
             mistakes = Report()
@@ -133,11 +135,11 @@ def _is_unchanged(use: Use, read: Reader) -> bool:
         return False
 
 
-def _forgetful(main: SourceFile, read: Reader) -> list[Diagnostic]:
-    return check(main, read).report.diagnostics
+def _with_kept_trees(main: SourceFile, read: Reader) -> list[Diagnostic]:
+    return check(main, read, parse=kept.parse).report.diagnostics
 
 
-_find: Callable[[SourceFile, Reader], list[Diagnostic]] = _forgetful
+_find: Callable[[SourceFile, Reader], list[Diagnostic]] = _with_kept_trees
 
 
 def remember(memory: Memory) -> None:

@@ -14,9 +14,10 @@ import socket
 import sys
 import time
 from contextlib import suppress
-from typing import NamedTuple, NoReturn
+from typing import NoReturn
 
 from cspdiag import __version__
+from cspdiag.base.record import record
 from cspdiag.cli.server import place
 from cspdiag.cli.server.code import Code
 from cspdiag.cli.server.memory import Memory, Use, remember
@@ -72,7 +73,8 @@ def _end(*_: object) -> NoReturn:
     sys.exit()
 
 
-class _Command(NamedTuple):
+@record
+class _Command:
     """A command that is being carried out: its process, and what that has said."""
 
     process: int

@@ -9,14 +9,21 @@ from cspdiag.base import Report, SourceFile
 from cspdiag.base.files import resources
 from cspdiag.model.diagnostics.imports import ImportCycle, UnknownLibrary, UnreadableImport
 from cspdiag.syntax import ast
-from cspdiag.syntax.parser import parse
+
+
+def parsed(source: SourceFile, report: Report) -> ast.SourceTree:
+    """The tree of a file, made from its text."""
+    # Imported only here, because trees that are remembered do not need it.
+    from cspdiag.syntax.parser import parse
+
+    return parse(source, report)
 
 
 def load(
     main: SourceFile,
     read: Callable[[str], SourceFile],
     report: Report,
-    parse: Callable[[SourceFile, Report], ast.SourceTree] = parse,
+    parse: Callable[[SourceFile, Report], ast.SourceTree] = parsed,
 ) -> list[ast.SourceTree]:
     """Parse a program and everything it imports, each file once; the main file comes first.
 
