@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Coroutine, Generator
 from contextlib import suppress
 from functools import partial
-from inspect import iscoroutine, isfunction, ismethod
-from types import coroutine
-from typing import Any, TypeAlias, TypeVar, cast
+from inspect import iscoroutine, ismethod
+from types import CoroutineType, FunctionType, MethodType, coroutine
+from typing import Any, TypeAlias, TypeVar
 
 from .compiled.routine import Branch, Routine, routine_task
 from .kernel.exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text, run_is_ended
@@ -167,22 +167,24 @@ async def _awaited(body: Awaitable[T]) -> T:
 
 def task_for(body: Body, join: Join, parent: Task | None) -> Task:
     """What executes ``body``."""
-    if isfunction(body) or isinstance(body, Routine) or (isinstance(body, partial) and not _is_method(body)):
-        return routine_task(body, join, parent)
-    return Task(_begun(body), join, parent)
+    made: Any = body
+    if type(made) is MethodType:
+        return Task(as_coroutine(made()), join, parent)
+    if isinstance(made, partial):
+        return Task(as_coroutine(made()), join, parent) if ismethod(made.func) else routine_task(made, join, parent)
+    if type(made) is FunctionType or isinstance(made, Routine):
+        return routine_task(made, join, parent)
+    return Task(as_coroutine(made), join, parent)
 
 
 def _begun(body: Body) -> Coroutine[Any, Any, object]:
-    return as_coroutine(cast("Awaitable[object]", cast("Any", body)() if _is_method(body) else body))
-
-
-def _is_method(body: Body) -> bool:
-    return ismethod(body.func if isinstance(body, partial) else body)
+    made: Any = body
+    return as_coroutine(made() if ismethod(made.func if isinstance(made, partial) else made) else made)
 
 
 def as_coroutine(body: Awaitable[T]) -> Coroutine[Any, Any, T]:
     """What a task can execute."""
-    if iscoroutine(body):
+    if isinstance(body, CoroutineType):
         return body
     if isinstance(body, Process):
         return body.execute()
