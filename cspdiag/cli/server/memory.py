@@ -17,8 +17,8 @@ from cspdiag.pipeline import Reader, check
 from cspdiag.syntax import kept
 from cspdiag.syntax.ast import SourceTree
 
-MAX_CHARACTERS = 1_000_000
-"""How much text is remembered, as trees and as programs. A tree takes about 150 bytes a character."""
+MAX_CHARACTERS = 200_000
+"""How much text is remembered, as trees and as programs. A tree takes 40 bytes for a character."""
 
 Text = tuple[str, str]
 """A source file as a key: its name, which is part of messages, and its text."""
@@ -84,16 +84,20 @@ class Memory:
             self.uses.append(Use((main.name, main.text), tuple(reading.texts.items())))
         return found
 
-    def learn(self, use: Use) -> None:
-        """Remember the trees and the findings of a program, unless it is too large; it is checked for that."""
+    def learn(self, use: Use) -> bool:
+        """Remember the trees and the findings of a program, unless it is too large; it is checked for that.
+
+        Returns whether there was anything to learn.
+        """
         known = self._findings.get(use.main)
         if use.size > self._most or (known is not None and known[0] == use):
-            return
+            return False
         texts = dict(use.imported)
         name, text = use.main
         main = SourceFile(name=name, text=text)
         found = check(main, lambda name: SourceFile(name=name, text=texts[name]), parse=self._parse).report.diagnostics
         self._findings.put(use.main, (use, found), use.size)
+        return True
 
     def _parse(self, source: SourceFile, report: Report) -> SourceTree:
         key = source.name, source.text

@@ -186,5 +186,6 @@ class _Server:
         use = self._unlearned.pop(next(iter(self._unlearned)))
         # The command has said what is wrong, even with the compiler.
         with suppress(Exception):
-            self._memory.learn(use)
+            if not self._memory.learn(use):
+                return
         gc.collect()
