@@ -261,21 +261,22 @@ class LoadedProgram:
         of seconds.
 
         ``process`` is the outermost one, by default that of the environment. ``target="c"`` builds and runs a native
-        program; with ``level=0`` the readable code runs instead of the fast one. The results are the same. With
-        ``level="reference"`` the reference semantics runs the program, which is slow and shares nothing with the
-        generated code.
+        program, and ``target="auto"`` does so where that is possible, as ``Run.chosen_target`` says. With ``level=0``
+        the readable code runs instead of the fast one. The results are the same. With ``level="reference"`` the
+        reference semantics runs the program, which is slow and shares nothing with the generated code.
 
         Raises the exceptions of ``build``, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and
         ``TargetError``, for the reference ``NoMeaningError``, and ArgumentError for an unknown level or target.
         """
         from cspdiag.simulate.native import run as native
+        from cspdiag.simulate.native.choice import AS_NATIVE, NotNative, native_if_possible
         from cspdiag.simulate.run import execute
 
         if level == "reference":
             return self._run_on_reference(environment, process, until, set, target, real_time=real_time)
         _require_level(level, "0, 1 or 'reference'")
-        if target not in ("python", "c"):
-            raise ArgumentError(f"the target {shown(target)} cannot be run: choose 'python' or 'c'")
+        if target not in ("python", "c", "auto"):
+            raise ArgumentError(f"the target {shown(target)} cannot be run: choose 'python', 'c' or 'auto'")
         limit = None if until is None else time_limit(until)
         network = self._build(process, environment, set, alone=True)
         with file_errors():
@@ -283,8 +284,20 @@ class LoadedProgram:
                 return native.simulate(
                     network, read_source, level=level, environment=environment, until=limit, real_time=real_time
                 )
+            chosen = ""
+            if target == "auto":
+                program = native_if_possible(
+                    network, read_source, level=level, environment=environment, real_time=real_time
+                )
+                if not isinstance(program, NotNative):
+                    result = program.run(until=limit)
+                    result.chosen_target = AS_NATIVE
+                    return result
+                chosen = program.shown
             files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
-            return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
+            result = execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
+            result.chosen_target = chosen
+            return result
 
     def _run_on_reference(
         self,

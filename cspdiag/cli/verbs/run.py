@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from cspdiag.model.types import Type
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Built
+    from cspdiag.simulate.native.run import NativeProgram, Observed
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.result import Run
 
@@ -47,7 +48,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         ),
     )  # fmt: skip
     parser.add_argument(
-        "--target", choices=("python", "c"), default="python", help="what to run it on (default: python)"
+        "--target",
+        choices=("python", "c", "auto"),
+        default="python",
+        help="what to run it on; auto: a native program if there can be one, which gives the same results sooner "
+        "(default: python)",
     )
     level = parser.add_mutually_exclusive_group()
     level.add_argument("-O0", dest="level", action="store_const", const=0, default=1, help="run readable code")
@@ -186,7 +191,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
             if endless is not None:
                 endless.attach()
             return _simulate_on_reference(arguments, network, until, recorder)
-    simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
+    simulate = _SIMULATIONS[arguments.target]
     progress = None
     if not arguments.quiet:
         progress = Progress(recorder, mode_groups(network))
@@ -269,13 +274,8 @@ def _simulate_native(
     recorder: Recorder,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
-    from cspdiag.simulate.native.run import Observed, simulate
+    from cspdiag.simulate.native.run import simulate
 
-    observed: Observed = "none" if arguments.record is None else "signals"
-    if arguments.trace is not None:
-        observed = "all"
-    elif arguments.plot is not None:
-        observed = "ports"
     return simulate(
         network,
         read_source,
@@ -285,9 +285,49 @@ def _simulate_native(
         real_time=arguments.real_time,
         recorder=recorder,
         on_start=on_start,
-        observed=observed,
+        observed=_observed(arguments),
         measured=_is_measured(arguments),
     )
+
+
+def _simulate_on_either(
+    arguments: Namespace,
+    network: CoreNetwork,
+    until: int | None,
+    recorder: Recorder,
+    on_start: Callable[[ObservedProgram], None],
+) -> Run:
+    from cspdiag.simulate.native.choice import AS_NATIVE, NotNative, native_if_possible
+
+    program: NativeProgram | NotNative = NotNative(reason="a plot shows the variables inside processes")
+    if arguments.plot is None:
+        program = native_if_possible(
+            network,
+            read_source,
+            level=arguments.level,
+            environment=arguments.environment,
+            real_time=arguments.real_time,
+            measured=_is_measured(arguments),
+        )
+    if isinstance(program, NotNative):
+        result = _simulate_in_python(arguments, network, until, recorder, on_start)
+        result.chosen_target = program.shown
+        return result
+    result = program.run(until=until, recorder=recorder, on_start=on_start, observed=_observed(arguments))
+    result.chosen_target = AS_NATIVE
+    return result
+
+
+_SIMULATIONS = {"python": _simulate_in_python, "c": _simulate_native, "auto": _simulate_on_either}
+
+
+def _observed(arguments: Namespace) -> Observed:
+    """What a native program reports."""
+    if arguments.trace is not None:
+        return "all"
+    if arguments.plot is not None:
+        return "ports"
+    return "none" if arguments.record is None else "signals"
 
 
 def _is_measured(arguments: Namespace) -> bool:

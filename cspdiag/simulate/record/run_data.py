@@ -50,6 +50,8 @@ class RunData:
         self.network = network
         self.environment = environment
         self.outcome = outcome
+        self.chosen_target = ""
+        """What a run chose by itself to run on, and why, as it is shown; empty if it did not choose."""
         self._passed = recorder if passed is None else passed
         self.releases: Sequence[tuple[int, str, object]] = recorder.releases
         self.activities: Sequence[Activity] = recorder.activities

@@ -23,7 +23,8 @@ def _lines(run: RunData) -> Iterator[str]:
     outcome = run.outcome
     where = f" in {run.environment.name}" if run.environment is not None else ""
     yield f"{run.network.top}{where}: {_ending(run)}"
-    yield f"  {_effort(outcome)}"
+    chosen = f", {run.chosen_target}" if run.chosen_target else ""
+    yield f"  {_effort(outcome)}{chosen}"
     yield from _process_lines(run)
     missed = {port: count for port, count in outcome.missed.items() if count}
     yield "  missed samples: " + (", ".join(f"{port} {count}" for port, count in missed.items()) or "none")
