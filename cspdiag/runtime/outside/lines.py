@@ -14,6 +14,7 @@ from typing import Any
 
 from ..kernel.exceptions import DriverError
 from ..kernel.stopping import stopping
+from ..real_time.preference import shift_priority
 from .drivers import NO_SAMPLE, name_of
 from .external import EventOutput, Port, SampledOutput
 from .watch import PATIENCE, Call, Watch
@@ -68,6 +69,7 @@ class ThreadLine:
         self.thread = threading.Thread(target=self._run, name=f"driver of {port.name}", daemon=True)
 
     def _run(self) -> None:
+        shift_priority(-1)
         try:
             self.work()
         except BaseException as error:

@@ -11,6 +11,7 @@ from ..kernel.exceptions import DriverError, HangError, RunFailed
 from ..kernel.places import whereabouts
 from ..kernel.signals import left_to_the_main_thread, name_of_signal
 from ..kernel.stopping import Stopped, stopping
+from ..real_time.preference import shift_priority
 from .drivers import DriverFailed
 
 T = TypeVar("T")
@@ -109,6 +110,7 @@ class Watch:
                 stopping.end_child()
 
     def _run(self) -> None:
+        shift_priority(1)
         while not self._ended.wait(_LOOK):
             self._look()
             stopping.look()

@@ -17,8 +17,8 @@ from contextlib import contextmanager, suppress
 from typing import Any, Final, NamedTuple
 
 _LEVEL: Final = 20
-"""The priority within SCHED_FIFO of the thread that runs the network; its other threads are one below. Interrupts that
-Linux handles in threads have 50.
+"""The priority within SCHED_RR of the thread that runs the network. Other threads are one below, so that they never
+keep it from the processor, and the watch is one above. Interrupts that Linux handles in threads have 50.
 """
 _SWITCH: Final = 0.0002
 """Seconds after which a thread that computes in Python gives way to another one that waits for the interpreter."""
@@ -57,7 +57,7 @@ def preferred() -> Iterator[Preference]:
 @contextmanager
 def _scheduled_first() -> Iterator[str]:
     if not hasattr(os, "sched_setscheduler"):
-        yield "ordinary scheduling: this system has no SCHED_FIFO"
+        yield "ordinary scheduling: this system has no SCHED_RR"
         return
     own = threading.get_native_id()
     ordinary = os.sched_getscheduler(own), os.sched_getparam(own)
@@ -67,15 +67,15 @@ def _scheduled_first() -> Iterator[str]:
     before = {own: ordinary}
     try:
         # A handler of signals may raise something anywhere.
-        if not _set_class(own, os.SCHED_FIFO, os.sched_param(_LEVEL)):
+        if not _set_class(own, os.SCHED_RR, os.sched_param(_LEVEL)):
             with _precise_waits():
-                yield "ordinary scheduling: SCHED_FIFO is not permitted"
+                yield "ordinary scheduling: SCHED_RR is not permitted"
             return
         for thread in _others(own):
             with suppress(OSError):  # It has ended by now.
                 before[thread] = os.sched_getscheduler(thread), os.sched_getparam(thread)
-            _set_class(thread, os.SCHED_FIFO, os.sched_param(_LEVEL - 1))
-        yield "SCHED_FIFO"
+            _set_class(thread, os.SCHED_RR, os.sched_param(_LEVEL - 1))
+        yield "SCHED_RR"
     finally:
         for thread in (*_others(own), own):
             # One that was started meanwhile has inherited what this thread had.
@@ -89,6 +89,20 @@ def _set_class(thread: int, policy: int, parameters: Any) -> bool:
     except OSError:
         return False
     return True
+
+
+def shift_priority(by: int) -> None:
+    """Moves the present thread up or down within its real-time class, if it has inherited one.
+
+    A thread that has to interrupt another one must be able to preempt it: only a thread that runs can ask for the lock
+    of the interpreter.
+    """
+    if not hasattr(os, "sched_setscheduler"):
+        return
+    own = threading.get_native_id()
+    policy, level = os.sched_getscheduler(own), os.sched_getparam(own).sched_priority
+    if policy in (os.SCHED_FIFO, os.SCHED_RR):
+        _set_class(own, policy, os.sched_param(max(1, level + by)))
 
 
 def _others(own: int) -> list[int]:

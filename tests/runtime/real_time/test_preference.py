@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import signal
+import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -39,7 +40,7 @@ def ran(body: Callable[[], object], *, real_time: bool = True) -> Outcome:
 def permitted() -> bool:
     before = os.sched_getscheduler(0)
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
     except OSError:
         return False
     os.sched_setscheduler(0, before, os.sched_param(0))
@@ -64,7 +65,7 @@ def test_what_a_run_is_granted_holds_while_it_lasts() -> None:
     assert settings() == before
     assert during[1] == pytest.approx(0.0002)
     assert during[2] > before[2]
-    assert (during[0] == os.SCHED_FIFO) == outcome.preference.startswith("SCHED_FIFO, ") == permitted()
+    assert (during[0] == os.SCHED_RR) == outcome.preference.startswith("SCHED_RR, ") == permitted()
     assert (during[3] != before[3]) == outcome.preference.endswith(", memory locked")
 
 
@@ -98,7 +99,7 @@ def test_what_is_not_permitted_is_reported(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(preference, "_function", refused.__getitem__)
     outcome = ran(lambda: None)
     assert outcome.ended == "terminated"
-    assert outcome.preference == "ordinary scheduling: SCHED_FIFO is not permitted, memory not locked: not permitted"
+    assert outcome.preference == "ordinary scheduling: SCHED_RR is not permitted, memory not locked: not permitted"
     assert calls == [(29, 1, 0, 0, 0), (29, 0, 0, 0, 0)], "waits are precise while it lasts"
 
 
@@ -107,11 +108,11 @@ def test_a_system_without_any_of_it_runs_all_the_same(monkeypatch: pytest.Monkey
     monkeypatch.setattr(preference, "_function", lambda _: None)
     monkeypatch.setattr(preference, "_status", dict)
     assert ran(lambda: None).preference == (
-        "ordinary scheduling: this system has no SCHED_FIFO, memory not locked: this system cannot"
+        "ordinary scheduling: this system has no SCHED_RR, memory not locked: this system cannot"
     )
 
 
-@pytest.mark.skipif(not permitted(), reason="SCHED_FIFO is not permitted here")
+@pytest.mark.skipif(not permitted(), reason="SCHED_RR is not permitted here")
 def test_other_threads_come_right_after_it(worker: threading.Thread) -> None:
     assert worker.native_id is not None
     seen: list[tuple[int, int]] = []
@@ -125,7 +126,7 @@ def test_other_threads_come_right_after_it(worker: threading.Thread) -> None:
 
     ran(body)
     (own_class, own_level), (other_class, other_level) = seen
-    assert own_class == other_class == os.SCHED_FIFO
+    assert own_class == other_class == os.SCHED_RR
     assert other_level == own_level - 1
     assert os.sched_getscheduler(worker.native_id) == os.SCHED_OTHER
     assert started_by_it.native_id is not None
@@ -134,15 +135,15 @@ def test_other_threads_come_right_after_it(worker: threading.Thread) -> None:
     started_by_it.join()
 
 
-@pytest.mark.skipif(not permitted(), reason="SCHED_FIFO is not permitted here")
+@pytest.mark.skipif(not permitted(), reason="SCHED_RR is not permitted here")
 def test_a_class_that_was_chosen_outside_is_respected() -> None:
-    os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(3))
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(3))
     try:
         seen: list[int] = []
         outcome = ran(lambda: seen.append(os.sched_getscheduler(0)))
-        assert seen == [os.SCHED_RR]
+        assert seen == [os.SCHED_FIFO]
         assert outcome.preference.startswith("scheduled as it was started, ")
-        assert (os.sched_getscheduler(0), os.sched_getparam(0).sched_priority) == (os.SCHED_RR, 3)
+        assert (os.sched_getscheduler(0), os.sched_getparam(0).sched_priority) == (os.SCHED_FIFO, 3)
     finally:
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
@@ -163,3 +164,38 @@ def test_a_signal_while_it_is_asked_for_ends_the_run(monkeypatch: pytest.MonkeyP
     finally:
         signal.signal(signal.SIGTERM, handler)
     assert settings() == before
+
+
+HANGS = """
+import os
+from cspdiag.runtime import EventOutput, Network, Process, ms, wait
+
+os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+
+class Motor:
+    def write(self, value):
+        print(value, flush=True)
+
+class Top(Process):
+    def __init__(self):
+        super().__init__("Top")
+
+    async def run(self):
+        await motor.write(3.0)
+        await wait(1 * ms)
+        while True:
+            pass
+
+motor = EventOutput("motor", driver=Motor(), safe=0.0)
+outcome = Network(Top(), [motor]).run(real_time=True)
+print(outcome.ended, outcome.error)
+"""
+
+
+def test_a_step_that_never_ends_is_ended_on_one_processor(tmp_path: Path) -> None:
+    """The watch has to be able to preempt it."""
+    program = tmp_path / "hangs.py"
+    program.write_text(HANGS)
+    done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, timeout=30, check=False)
+    assert done.stdout.splitlines()[:2] == ["3.0", "0.0"]
+    assert "has not finished its step within 2 s" in done.stdout
