@@ -130,3 +130,60 @@ def test_an_installed_module_that_is_missing_is_named(tmp_path: Path) -> None:
     )
     with pytest.raises(BodyError, match="ModuleNotFoundError: No module named 'no_such_module'"):
         cspdiag.load(str(tmp_path / "lamp.csp")).run()
+
+
+DRIVEN = """\
+submodel Amplifier python "amplifier.py:Amplifier" {
+  in  valve : double
+  out flow  : double
+}
+
+submodel Tank {
+  in  flow  : double
+  out level : double
+
+  STATES
+}
+
+process Main {
+  in  level : double @ 1 ms
+  out valve : double @ 1 ms
+
+  communication {
+    var measured : double
+  }
+
+  composition {
+    mu (level ? measured ; valve ! 1.0)
+  }
+}
+
+environment Bench for Main {
+  amplifier : Amplifier
+  tank      : Tank
+
+  valve          -> amplifier.valve
+  amplifier.flow -> tank.flow
+  tank.level     -> level
+}
+"""
+AMPLIFIER = "class Amplifier:\n    def calculate(self, valve):\n        return 2.0 * valve\n"
+STATES = {
+    "a sum": ("state total : double = 0\n  next total = total + flow\n  level = total", [0, 0, 0, 2, 4]),
+    "an integral": (
+        "state total : double = 0\n  der total = 1000<s^-1> * flow\n  level = total",
+        [0, 0, 0, 2, 4],
+    ),
+}
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("states", STATES)
+def test_what_a_body_computes_drives_states(tmp_path: Path, states: str, level: int) -> None:
+    text, expected = STATES[states]
+    (tmp_path / "amplifier.py").write_text(AMPLIFIER)
+    program = tmp_path / "tank.csp"
+    program.write_text(DRIVEN.replace("STATES", text))
+    run = cspdiag.load(str(program)).run(until="5 ms", level=level)
+    assert run.outcome.ended == "time limit", run.outcome.error
+    assert run["level"].tolist() == pytest.approx(expected)

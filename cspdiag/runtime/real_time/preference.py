@@ -13,7 +13,7 @@ import os
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any, Final, NamedTuple
 
 _LEVEL: Final = 20
@@ -40,18 +40,81 @@ class Preference(NamedTuple):
         return f"{self.scheduling}, {self.memory}"
 
 
+class _Process:
+    """What holds for the whole process: from when the first of several runs begins until the last has ended."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._runs = 0
+        self._given = ExitStack()
+        self._memory = ""
+
+    @contextmanager
+    def settled(self) -> Iterator[str]:
+        """Settles it, and gives what is shown of locked memory."""
+        counted = False
+        try:
+            with self._lock:
+                self._runs += 1
+                counted = True
+                if self._runs == 1:
+                    self._given.enter_context(_threads_give_way())
+                    self._given.enter_context(_garbage_left_alone())
+                    self._memory = self._given.enter_context(_memory_locked())
+                    self._given.enter_context(_threads_restored())
+            yield self._memory
+        finally:
+            if counted:
+                with self._lock:
+                    self._runs -= 1
+                    if not self._runs:
+                        self._given.close()
+
+
+_process = _Process()
+
+
 @contextmanager
 def preferred() -> Iterator[Preference]:
     """Has the present thread preferred, and what exists by now settled, until the context is left."""
+    with _process.settled() as memory, _scheduled_first() as scheduling:
+        yield Preference(scheduling, memory)
+
+
+@contextmanager
+def _threads_give_way() -> Iterator[None]:
     interval = sys.getswitchinterval()
     try:
-        gc.freeze()
         sys.setswitchinterval(min(interval, _SWITCH))
-        with _memory_locked() as memory, _scheduled_first() as scheduling:
-            yield Preference(scheduling, memory)
+        yield
     finally:
         sys.setswitchinterval(interval)
+
+
+@contextmanager
+def _garbage_left_alone() -> Iterator[None]:
+    if gc.get_freeze_count():
+        yield  # The program has done so itself.
+        return
+    try:
+        gc.freeze()
+        yield
+    finally:
         gc.unfreeze()
+
+
+@contextmanager
+def _threads_restored() -> Iterator[None]:
+    """Gives all threads back the classes that they have now; those that are started meanwhile get the ordinary one."""
+    if not hasattr(os, "sched_setscheduler"):
+        yield
+        return
+    before = {thread: _class_of(thread) for thread in _threads()}
+    try:
+        yield
+    finally:
+        for thread in _threads():
+            _set_class(thread, *(before.get(thread) or (os.SCHED_OTHER, os.sched_param(0))))
 
 
 @contextmanager
@@ -60,26 +123,29 @@ def _scheduled_first() -> Iterator[str]:
         yield "ordinary scheduling: this system has no SCHED_RR"
         return
     own = threading.get_native_id()
-    ordinary = os.sched_getscheduler(own), os.sched_getparam(own)
-    if ordinary[0] != os.SCHED_OTHER:
+    policy, parameters = os.sched_getscheduler(own), os.sched_getparam(own)
+    if policy != os.SCHED_OTHER and (policy, parameters.sched_priority) != (os.SCHED_RR, _LEVEL - 1):
         yield "scheduled as it was started"
         return
-    before = {own: ordinary}
     try:
         # A handler of signals may raise something anywhere.
         if not _set_class(own, os.SCHED_RR, os.sched_param(_LEVEL)):
             with _precise_waits():
                 yield "ordinary scheduling: SCHED_RR is not permitted"
             return
-        for thread in _others(own):
-            with suppress(OSError):  # It has ended by now.
-                before[thread] = os.sched_getscheduler(thread), os.sched_getparam(thread)
-            _set_class(thread, os.SCHED_RR, os.sched_param(_LEVEL - 1))
+        for thread in _threads():
+            if (_class_of(thread) or (None,))[0] == os.SCHED_OTHER:
+                _set_class(thread, os.SCHED_RR, os.sched_param(_LEVEL - 1))
         yield "SCHED_RR"
     finally:
-        for thread in (*_others(own), own):
-            # One that was started meanwhile has inherited what this thread had.
-            _set_class(thread, *before.get(thread, ordinary))
+        _set_class(own, policy, parameters)
+
+
+def _class_of(thread: int) -> tuple[int, Any] | None:
+    """The scheduling class of a thread; None if it has ended."""
+    with suppress(OSError):
+        return os.sched_getscheduler(thread), os.sched_getparam(thread)
+    return None
 
 
 def _set_class(thread: int, policy: int, parameters: Any) -> bool:
@@ -105,9 +171,8 @@ def shift_priority(by: int) -> None:
         _set_class(own, policy, os.sched_param(max(1, level + by)))
 
 
-def _others(own: int) -> list[int]:
-    numbers = [thread.native_id for thread in threading.enumerate()]
-    return [number for number in numbers if number not in (None, own)]
+def _threads() -> list[int]:
+    return [thread.native_id for thread in threading.enumerate() if thread.native_id is not None]
 
 
 @contextmanager

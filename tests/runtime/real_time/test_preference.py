@@ -166,6 +166,43 @@ def test_a_signal_while_it_is_asked_for_ends_the_run(monkeypatch: pytest.MonkeyP
     assert settings() == before
 
 
+def test_runs_at_once_give_it_back_with_the_last_one() -> None:
+    def body(limit: int) -> Body:
+        async def top() -> None:
+            await wait(limit)
+
+        return Body(top)
+
+    allowed = permitted()
+    before = settings()
+    outcomes: dict[int, Outcome] = {}
+
+    def run(limit: int) -> None:
+        outcomes[limit] = Network(body(limit)).run(real_time=True)
+
+    threads = [threading.Thread(target=run, args=(limit * ms,)) for limit in (100, 300)]
+    for thread in threads:
+        thread.start()
+    threads[0].join()
+    assert sys.getswitchinterval() == pytest.approx(0.0002), "the other one still runs"
+    assert threads[1].native_id is not None
+    assert (os.sched_getscheduler(threads[1].native_id) == os.SCHED_RR) == allowed
+    threads[1].join()
+    after = settings()
+    assert (after[0], after[1], after[3]) == (before[0], before[1], before[3])
+    assert len({outcome.preference for outcome in outcomes.values()}) == 1
+
+
+def test_what_the_program_froze_stays_frozen() -> None:
+    gc.freeze()
+    try:
+        before = gc.get_freeze_count()
+        ran(lambda: None)
+        assert gc.get_freeze_count() > before // 2 > 0, "some of it has been freed"
+    finally:
+        gc.unfreeze()
+
+
 HANGS = """
 import os
 from cspdiag.runtime import EventOutput, Network, Process, ms, wait

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import record
@@ -146,19 +145,20 @@ class _Writer:
         """The function that initializes the process, last, and the parts that it calls if it would be long: compilers
         take more time for one long function than for many short ones, and its lists of ports are all on the stack.
         """
-        name, parameters = head(self.members, self.struct)
+        begin, parameters = head(self.members, self.struct)
         statements = tuple(self.initial)
         if len(statements) <= _LONGEST_INITIALIZATION or not all(map(_stands_alone, statements)):
-            return [Function(name, parameters, statements)]
-        given = [re.split(r"[ *]", parameter)[-1] for parameter in parameters]
+            return [Function(begin, parameters, statements)]
+        given = arguments(self.members)
         unused = tuple(run(ignored(code(each))) for each in given[1:])
         parts: list[Function] = []
+        calls: list[Statement] = []
         for start in range(0, len(statements), _LONGEST_INITIALIZATION):
             part = statements[start : start + _LONGEST_INITIALIZATION]
-            named = f"{name.removeprefix('void ')}_{len(parts) + 1}"
+            named = f"{self.struct}_initialize_{len(calls) + 1}"
             parts.append(Function(f"static void {named}", parameters, (*unused, *part)))
-        calls = (run(call(part.head.removeprefix("static void "), *given)) for part in parts)
-        return [*parts, Function(name, parameters, tuple(calls))]
+            calls.append(run(call(named, *given)))
+        return [*parts, Function(begin, parameters, tuple(calls))]
 
 
 def _stands_alone(statement: Statement) -> bool:
@@ -173,6 +173,12 @@ def _fields(members: Sequence[StructMember]) -> list[Statement]:
         statements += [Remark(member.comment)] if member.comment is not None else []
         statements.append(run(member.declaration))
     return statements
+
+
+def arguments(members: Members) -> list[str]:
+    """The names of the parameters of the initialization function of a process."""
+    ports = ["ports"] if port_members(members) else []
+    return ["self", "numbers", *ports, *(members.parameters[item.name] for item in members.process.parameters)]
 
 
 def head(members: Members, struct: str) -> tuple[str, tuple[str, ...]]:

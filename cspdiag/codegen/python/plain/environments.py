@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from cspdiag.base.record import record
@@ -241,16 +241,12 @@ class EnvironmentWriter:
         instant.
         """
         integration = Integration(system, self.names, self._place)
-        roots = {*signals((system.next_values,)), *(integration.held if system.derivatives else ())}
-        had = {local for item in self._calls() for _, local, _ in item.outputs}
-        equations = needed(system.equations, roots, calls=False)
-        read = signals((tuple(part for e in equations for part in values(e)), system.next_values)) + signals(())
-        wanted = {*read, *roots}
+        equations, wanted = self._wanted(system)
         given = [name for name in inputs(system) if name in wanted]
         continuous = [state.name for state in system.states if state.continuous]
         discrete = [state.name for state in system.states if not state.continuous and state.name in wanted]
         local = [*given, *continuous, *discrete, *(name for e in equations for name in defined(e))]
-        kept = [name for name in had if name in wanted]
+        kept = [name for name in self._called() if name in wanted]
         local += kept
         printer = self._printer(local)
         timed = uses_time((equations, system.next_values)) or (system.derivatives and integration.timed)
@@ -273,6 +269,18 @@ class EnvironmentWriter:
             yield if_(due, *updates)
         if system.derivatives:
             yield from self._integrated(system, integration)
+
+    def _wanted(self, system: SubmodelClass) -> tuple[list[Equation], set[str]]:
+        """The equations from which next values and slopes follow, and all signals that are read for that."""
+        integration = Integration(system, self.names, self._place)
+        roots = {*signals((system.next_values,)), *(integration.held if system.derivatives else ())}
+        equations = needed(system.equations, roots, calls=False)
+        read = signals((tuple(part for e in equations for part in values(e)), system.next_values))
+        return equations, {*read, *roots}
+
+    def _called(self) -> list[str]:
+        """The signals that bodies in Python compute, once in each instant."""
+        return [local for item in self._calls() for _, local, _ in item.outputs]
 
     def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
         interval = self._seconds(ELAPSED)
@@ -299,7 +307,7 @@ class EnvironmentWriter:
         """The signal of a port."""
         return own(self.names[name])
 
-    def _already_local(self, system: SubmodelClass) -> Container[str]:
+    def _already_local(self, system: SubmodelClass) -> Sequence[str]:
         """What is in a local variable when ``advance`` begins."""
         return ()
 
@@ -322,6 +330,8 @@ class EnvironmentWriter:
         states = [state.name for state in system.states if read[state.name] > 1 and state.name not in present]
         local = [*given, *states, *present, *(name for equation in equations for name in defined(equation))]
         printer = self._printer(local)
+        # `advance` needs them at the next instant.
+        kept = self._wanted(system)[1] - {*self._already_local(system)} if system.states else ()
         statements: list[Statement] = []
         takes_time = any(self.modules.describe(item.external).takes_time for item in self._calls())
         if uses_time((tuple(part for equation in equations for part in values(equation)),)) or takes_time:
@@ -331,6 +341,11 @@ class EnvironmentWriter:
         for equation in equations:
             if isinstance(equation, ExternalCall):
                 statements.append(external_call(equation, self.names, printer, self.modules, time=Name("time")))
+                statements += [
+                    assign(own(self.names[local]), Name(self.names[local]))
+                    for _, local, _ in equation.outputs
+                    if local in kept
+                ]
             else:
                 name = self.names[equation.name]
                 handed_over = equation.name in results and not read[equation.name]

@@ -170,7 +170,7 @@ class _FastEnvironmentWriter(EnvironmentWriter):
         if not self._runs:
             return []
         states = [state.name for state in system.states if state.continuous]
-        return states + [local for item in self._calls() for _, local, _ in item.outputs]
+        return states + self._called()
 
     def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
         printer = self._printer([*integration.held, *(state.name for state in system.states if state.continuous)])
