@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
 from typing import Any
 
 from cspdiag.cli.server import messages, place
@@ -15,20 +16,46 @@ _PATIENCE = 5.0
 """How long to wait for an answer, and for a server to end, in seconds."""
 
 
+class _SilentError(Exception):
+    """A server is there, but does not answer: ``process`` is its number."""
+
+    def __init__(self, process: int) -> None:
+        super().__init__(f"server {process} does not answer")
+        self.process = process
+
+
 def show_status() -> int:
-    """Show the servers of this user; UNSUCCESSFUL if none is running."""
-    answers = [answer for name in _names() if (answer := _asked(name, messages.STATUS))]
-    lines = [_line(answer) for answer in answers] or ["no server is running"]
-    write_out("".join(f"{line}\n" for line in lines))
-    return FINE if answers else UNSUCCESSFUL
+    """Show the servers of this user; UNSUCCESSFUL if none is running, or one does not answer."""
+    return _report(messages.STATUS, lambda name, answer: _line(answer))
 
 
 def stop() -> int:
-    """Stop all servers of this user, and wait until they have gone. Commands that they carry out are finished."""
-    stopped = [answer for name in _names() if (answer := _asked(name, messages.STOP)) and _is_gone(name)]
-    lines = [f"server {answer['process']} has stopped" for answer in stopped] or ["no server is running"]
-    write_out("".join(f"{line}\n" for line in lines))
-    return FINE
+    """Stop all servers of this user, and wait until they have gone. Commands that they carry out are finished.
+    UNSUCCESSFUL if one does not answer.
+    """
+    return _report(messages.STOP, _stopped)
+
+
+def _stopped(name: str, answer: dict[str, Any]) -> str:
+    if not _is_gone(name):
+        raise _SilentError(answer["process"])
+    return f"server {answer['process']} has stopped"
+
+
+def _report(question: str, shown: Callable[[str, dict[str, Any]], str]) -> int:
+    """Ask all servers, and show what they answer."""
+    lines = []
+    code = FINE
+    for name in _names():
+        try:
+            answer = _asked(name, question)
+            if answer is not None:
+                lines.append(shown(name, answer))
+        except _SilentError as silent:
+            lines.append(f"{silent} (kill -9 {silent.process} ends it)")
+            code = UNSUCCESSFUL
+    write_out("".join(f"{line}\n" for line in lines or ["no server is running"]))
+    return code if lines or question == messages.STOP else UNSUCCESSFUL
 
 
 def _names() -> list[str]:
@@ -50,7 +77,7 @@ def _files() -> list[str]:
 
 
 def _asked(name: str, question: str) -> dict[str, Any] | None:
-    """The answer of a server, or None if it does not answer: it is gone, or has left its socket."""
+    """The answer of a server, or None if it is gone, or has left its socket. Raises _SilentError."""
     try:
         connection = place.connect(name)
     except OSError:
@@ -59,6 +86,8 @@ def _asked(name: str, question: str) -> dict[str, Any] | None:
         connection.settimeout(_PATIENCE)
         messages.send(connection, [question])
         answer = messages.receive(connection)
+    except TimeoutError:
+        raise _SilentError(place.peer(connection)[0]) from None
     except (OSError, EOFError, ValueError):
         return None
     finally:

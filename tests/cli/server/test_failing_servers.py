@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
 from collections.abc import Iterator
 
@@ -74,3 +75,15 @@ def test_a_server_that_does_not_answer(alone: Place, listener: socket.socket) ->
 def test_the_exit_code_is_that_of_the_server(alone: Place, listener: socket.socket) -> None:
     replies = (messages.READY, messages.TOUCHED, messages.END + b"\x07")
     assert talk(alone, listener, *replies) == Answer(7, b"", b"")
+
+
+def test_a_suspended_server_is_not_reported_as_missing(alone: Place) -> None:
+    with served(alone):
+        process = alone.server()
+        os.kill(process, signal.SIGSTOP)
+        try:
+            silent = Answer(1, f"server {process} does not answer (kill -9 {process} ends it)\n".encode(), b"")
+            assert alone.check("--server-status") == silent
+            assert alone.check("--server-stop") == silent
+        finally:
+            os.kill(process, signal.SIGCONT)
