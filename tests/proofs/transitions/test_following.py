@@ -25,7 +25,7 @@ from tests.properties.programs import programs
 ROOT = Path(__file__).parents[3]
 MODELS = ("buffer", "cascade", "commstime", "dining/deadlock", "dining", "emergency", "jiwy", "ring", "watchdog")
 PROGRAMS = sorted((ROOT / "tests/conformance/programs").glob("*.csp"))
-TOO_LARGE = {"branches_of_one_body"}
+TOO_LARGE = {"branches_in_runs", "branches_of_one_body", "fair_choice_among_many"}
 """These have too many states: the explored part is allowed, and no more is known."""
 LONGEST = 120
 """The maximum number of communications to follow."""
