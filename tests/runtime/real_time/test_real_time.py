@@ -155,8 +155,12 @@ def test_events_of_a_blocking_driver_come_from_a_thread_of_their_own() -> None:
             if choice.value == 3:
                 return
 
-    for value in (1, 2, 3):
-        threading.Timer(0.01 * value, button.presses.put, [value]).start()
+    def press() -> None:
+        for value in (1, 2, 3):
+            time.sleep(0.01)
+            button.presses.put(value)
+
+    threading.Thread(target=press).start()
     outcome = Network(Body(top), [presses, light]).run(real_time=True)
     button.presses.put(0)  # Its thread ends together with the call that it is executing.
     assert outcome.ended == "terminated"
