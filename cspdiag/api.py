@@ -269,7 +269,7 @@ class LoadedProgram:
         ``TargetError``, for the reference ``NoMeaningError``, and ArgumentError for an unknown level or target.
         """
         from cspdiag.simulate.native import run as native
-        from cspdiag.simulate.native.choice import AS_NATIVE, NotNative, native_if_possible
+        from cspdiag.simulate.native.choice import native_if_possible, run_either
         from cspdiag.simulate.run import execute
 
         if level == "reference":
@@ -284,20 +284,17 @@ class LoadedProgram:
                 return native.simulate(
                     network, read_source, level=level, environment=environment, until=limit, real_time=real_time
                 )
-            chosen = ""
-            if target == "auto":
-                program = native_if_possible(
-                    network, read_source, level=level, environment=environment, real_time=real_time
-                )
-                if not isinstance(program, NotNative):
-                    result = program.run(until=limit)
-                    result.chosen_target = AS_NATIVE
-                    return result
-                chosen = program.shown
-            files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
-            result = execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
-            result.chosen_target = chosen
-            return result
+
+            def in_python() -> Run:
+                files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
+                return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
+
+            if target == "python":
+                return in_python()
+            program = native_if_possible(
+                network, read_source, level=level, environment=environment, real_time=real_time
+            )
+            return run_either(program, lambda program: program.run(until=limit), in_python)
 
     def _run_on_reference(
         self,

@@ -100,8 +100,9 @@ def check(
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
-    from cspdiag.model.names.imports import load, parsed
+    from cspdiag.model.names.imports import load
     from cspdiag.model.names.resolve import resolve
+    from cspdiag.syntax.on_demand import parsed
     from cspdiag.syntax.parse.soundness import part_without_errors
 
     report = Report()

@@ -167,7 +167,7 @@ class _Run:
 
     def _ending(self) -> Outcome:
         if self._clock.real:
-            self._preference = str(self._preferred.enter_context(preferred()))
+            self._preference = self._preferred.enter_context(preferred())
         self._start()
         with stopping.raising(patiently=True):
             return self._in_real_time() if self._clock.real else self._in_virtual_time()

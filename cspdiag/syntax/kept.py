@@ -14,10 +14,11 @@ from zlib import crc32
 
 from cspdiag import __version__
 from cspdiag.base.files import resources
-from cspdiag.base.files.caches import cache_folder
+from cspdiag.base.files.caches import cache_folder, store
 from cspdiag.base.report import Report
 from cspdiag.base.sources import STANDARD_INPUT
 from cspdiag.base.span import SourceFile
+from cspdiag.syntax.on_demand import parsed
 
 if TYPE_CHECKING:
     from cspdiag.syntax.ast import SourceTree
@@ -35,25 +36,18 @@ def parse(source: SourceFile, report: Report) -> SourceTree:
     """The tree of a file, as from ``cspdiag.syntax.parser.parse``."""
     path = _path(source)
     if path is None:
-        return _parsed(source, report)
+        return parsed(source, report)
     seal = _seal(source)
     tree = _read(path, seal, source)
     if tree is not None:
         return tree
     mistakes = Report()
-    tree = _parsed(source, mistakes)
+    tree = parsed(source, mistakes)
     for mistake in mistakes.diagnostics:
         report.add(mistake)
     if not mistakes.diagnostics:
         _write(path, seal, tree)
     return tree
-
-
-def _parsed(source: SourceFile, report: Report) -> SourceTree:
-    # Imported only here, because a tree that is kept does not need it.
-    from cspdiag.syntax.parser import parse
-
-    return parse(source, report)
 
 
 def _path(source: SourceFile) -> str | None:
@@ -111,14 +105,11 @@ def _read(path: str, seal: bytes, source: SourceFile) -> SourceTree | None:
 
 def _write(path: str, seal: bytes, tree: SourceTree) -> None:
     """Keep a tree; one that cannot be kept is made again next time."""
-    temporary = f"{path}.{os.getpid()}"
     try:
         from _pickle import dumps
 
         data = dumps(tree, 5)
-        with open(temporary, "xb") as file:
-            file.write(seal + crc32(data).to_bytes(4, "big") + data)
-        os.replace(temporary, path)
+        store(path, seal + crc32(data).to_bytes(4, "big") + data)
         _make_room(os.path.dirname(path))
     except (OSError, RecursionError, ImportError):
         return

@@ -8,6 +8,7 @@ from __future__ import annotations
 import errno
 import os
 import sys
+from contextlib import suppress
 
 _OTHERS_WRITE = 0o022
 
@@ -30,3 +31,17 @@ def cache_folder() -> str:
         if facts.st_uid != os.geteuid() or facts.st_mode & _OTHERS_WRITE:
             raise PermissionError(errno.EACCES, "others may write into it, so nothing in it is trusted", folder)
     return folder
+
+
+def store(path: str, content: bytes) -> None:
+    """Stores a file of which other processes never see half. One that cannot be written is left out: it is made again
+    when it is needed.
+    """
+    temporary = f"{path}.{os.getpid()}.tmp"
+    try:
+        with os.fdopen(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
+            file.write(content)
+        os.replace(temporary, path)
+    except OSError:
+        with suppress(OSError):
+            os.unlink(temporary)

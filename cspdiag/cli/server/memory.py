@@ -16,6 +16,7 @@ from cspdiag.base.span import SourceFile
 from cspdiag.pipeline import Reader, check
 from cspdiag.syntax import kept
 from cspdiag.syntax.ast import SourceTree
+from cspdiag.syntax.on_demand import parsed
 
 MAX_CHARACTERS = 200_000
 """How much text is remembered, as trees and as programs. A tree takes 40 bytes for a character."""
@@ -101,12 +102,10 @@ class Memory:
 
     def _parse(self, source: SourceFile, report: Report) -> SourceTree:
         key = source.name, source.text
-        from cspdiag.syntax.parser import parse
-
         known = self._trees.get(key)
         if known is None:
             mistakes = Report()
-            known = parse(source, mistakes), mistakes.diagnostics
+            known = parsed(source, mistakes), mistakes.diagnostics
             self._trees.put(key, known, len(source.text))
         for mistake in known[1]:
             report.add(mistake)

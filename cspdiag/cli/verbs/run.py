@@ -297,7 +297,7 @@ def _simulate_on_either(
     recorder: Recorder,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
-    from cspdiag.simulate.native.choice import AS_NATIVE, NotNative, native_if_possible
+    from cspdiag.simulate.native.choice import NotNative, native_if_possible, run_either
 
     program: NativeProgram | NotNative = NotNative(reason="a plot shows the variables inside processes")
     if arguments.plot is None:
@@ -309,13 +309,11 @@ def _simulate_on_either(
             real_time=arguments.real_time,
             measured=_is_measured(arguments),
         )
-    if isinstance(program, NotNative):
-        result = _simulate_in_python(arguments, network, until, recorder, on_start)
-        result.chosen_target = program.shown
-        return result
-    result = program.run(until=until, recorder=recorder, on_start=on_start, observed=_observed(arguments))
-    result.chosen_target = AS_NATIVE
-    return result
+    return run_either(
+        program,
+        lambda program: program.run(until=until, recorder=recorder, on_start=on_start, observed=_observed(arguments)),
+        lambda: _simulate_in_python(arguments, network, until, recorder, on_start),
+    )
 
 
 _SIMULATIONS = {"python": _simulate_in_python, "c": _simulate_native, "auto": _simulate_on_either}

@@ -9,14 +9,7 @@ from cspdiag.base import Report, SourceFile
 from cspdiag.base.files import resources
 from cspdiag.model.diagnostics.imports import ImportCycle, UnknownLibrary, UnreadableImport
 from cspdiag.syntax import ast
-
-
-def parsed(source: SourceFile, report: Report) -> ast.SourceTree:
-    """The tree of a file, made from its text."""
-    # Imported only here, because trees that are remembered do not need it.
-    from cspdiag.syntax.parser import parse
-
-    return parse(source, report)
+from cspdiag.syntax.on_demand import parsed
 
 
 def load(

@@ -115,7 +115,6 @@ class Instants:
             self._environment.start()
         except BaseException as error:
             self._fail(error)
-        self._advance = self._environment.advance  # Optimized environments replace it at their start.
 
     def _fail(self, error: BaseException) -> NoReturn:
         """The environment has raised ``error``."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 from math import ceil, sqrt
 from typing import Final
 
@@ -47,17 +46,12 @@ class Jitter:
         """The lateness that ``part`` of the ticks did not exceed (0.99 of them, say): an upper bound, at most 1/16 too
         high.
         """
-        wanted = ceil(part * self.count)
-        for limit, number in self._accumulated():
-            if number >= wanted:
+        remaining = ceil(part * self.count)
+        for limit, occurrences in sorted(self._classes.items()):
+            remaining -= occurrences
+            if remaining <= 0:
                 return min(limit, self.worst)
         return self.worst
-
-    def _accumulated(self) -> Iterator[tuple[int, int]]:
-        number = 0
-        for limit, occurrences in sorted(self._classes.items()):
-            number += occurrences
-            yield limit, number
 
     def __str__(self) -> str:
         return (

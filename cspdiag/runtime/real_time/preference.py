@@ -14,7 +14,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 _LEVEL: Final = 20
 """The priority within SCHED_RR of the thread that runs the network. Other threads are one below, so that they never
@@ -28,16 +28,6 @@ _MAY_LOCK = 1 << 14
 """CAP_IPC_LOCK, in /proc/self/status."""
 _TIMER_SLACK = 29
 """PR_SET_TIMERSLACK of prctl: by how many nanoseconds a wait may be prolonged. Zero restores what it was at first."""
-
-
-class Preference(NamedTuple):
-    """What a run was granted: ``scheduling`` and ``memory``, each as it is shown."""
-
-    scheduling: str
-    memory: str
-
-    def __str__(self) -> str:
-        return f"{self.scheduling}, {self.memory}"
 
 
 class _Process:
@@ -75,10 +65,12 @@ _process = _Process()
 
 
 @contextmanager
-def preferred() -> Iterator[Preference]:
-    """Has the present thread preferred, and what exists by now settled, until the context is left."""
+def preferred() -> Iterator[str]:
+    """Has the present thread preferred, and what exists by now settled, until the context is left. Gives what was
+    granted, as it is shown.
+    """
     with _process.settled() as memory, _scheduled_first() as scheduling:
-        yield Preference(scheduling, memory)
+        yield f"{scheduling}, {memory}"
 
 
 @contextmanager

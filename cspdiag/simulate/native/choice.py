@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 from cspdiag.base.record import record
@@ -10,8 +11,9 @@ from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.pipeline import Reader
 from cspdiag.simulate.native.build import CompilerError
 from cspdiag.simulate.native.run import NativeProgram, build_program
+from cspdiag.simulate.result import Run
 
-AS_NATIVE: Final = "as a native program"
+_AS_NATIVE: Final = "as a native program"
 
 
 @record
@@ -19,11 +21,6 @@ class NotNative:
     """Why a program runs in Python: ``reason`` is one line."""
 
     reason: str
-
-    @property
-    def shown(self) -> str:
-        """For the summary of the run."""
-        return f"in Python: {self.reason}"
 
 
 def native_if_possible(
@@ -45,3 +42,16 @@ def native_if_possible(
         )
     except (CompilerError, target_errors()) as problem:
         return NotNative(str(problem).partition("\n")[0])
+
+
+def run_either(
+    program: NativeProgram | NotNative, natively: Callable[[NativeProgram], Run], in_python: Callable[[], Run]
+) -> Run:
+    """The run of a native program, or in Python if there is none; ``Run.chosen_target`` says which."""
+    if isinstance(program, NotNative):
+        run = in_python()
+        run.chosen_target = f"in Python: {program.reason}"
+    else:
+        run = natively(program)
+        run.chosen_target = _AS_NATIVE
+    return run

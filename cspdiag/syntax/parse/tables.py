@@ -13,7 +13,7 @@ import zlib
 from typing import Any, NamedTuple
 
 from cspdiag.base.files import resources
-from cspdiag.base.files.caches import cache_folder
+from cspdiag.base.files.caches import cache_folder, store
 
 END = "$END"
 """The terminal after the last token."""
@@ -89,20 +89,8 @@ def _read(path: str, grammar: str) -> Tables | None:
 
 
 def _write(path: str, grammar: str, tables: Tables) -> None:
-    """Writes to a temporary file first, so other processes never see half of it. A cache that cannot be written is
-    ignored.
-    """
-    import tempfile
-
     rules: Any = [tuple(rule) for rule in tables.rules]
-    content = marshal.dumps((grammar, tuple(tables._replace(rules=rules))))
-    try:
-        handle, name = tempfile.mkstemp(dir=os.path.dirname(path), prefix=os.path.basename(path))
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.replace(name, path)
-    except OSError:
-        return
+    store(path, marshal.dumps((grammar, tuple(tables._replace(rules=rules)))))
 
 
 def build(grammar: str) -> Tables:

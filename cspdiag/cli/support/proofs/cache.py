@@ -7,13 +7,12 @@ files themselves, are part of the key.
 from __future__ import annotations
 
 import json
-import os
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
 from cspdiag import __version__
-from cspdiag.base.files.caches import cache_folder
+from cspdiag.base.files.caches import cache_folder, store
 from cspdiag.base.files.json_text import read_json
 from cspdiag.base.record import record
 from cspdiag.base.sources import read_source
@@ -61,13 +60,8 @@ class Cache:
         }
         with suppress(OSError):
             path = self._path()
-            temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
             path.parent.mkdir(exist_ok=True)
-            try:
-                temporary.write_text(json.dumps(entry), encoding="utf-8")
-                os.replace(temporary, path)
-            except OSError:
-                temporary.unlink()
+            store(str(path), json.dumps(entry).encode())
 
     def _path(self) -> Path:
         return Path(cache_folder(), "verify", self._name)

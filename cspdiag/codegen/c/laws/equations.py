@@ -58,8 +58,8 @@ class EquationWriter:
         then nothing but the signals of the law has changed.
         """
         statements: list[Statement] = []
-        tested: list[tuple[Code, str]] = []
         for group in self._groups(equations):
+            tested: list[tuple[Code, str]] = []
             together = len([item for item in group if self._tested_part(item) is not None]) > 1
             for equation in group:
                 if isinstance(equation, ExternalCall):
@@ -72,7 +72,6 @@ class EquationWriter:
                     tested.append((code(variable.name) if isinstance(variable, LocalVariable) else variable, place))
             if tested:
                 statements += check_finite_together(tested, self.check)
-                tested = []
         return statements
 
     def _groups(self, equations: Sequence[Equation]) -> list[list[Equation]]:
