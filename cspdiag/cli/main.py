@@ -134,12 +134,17 @@ def _exit_code_of(given: list[str], *, whole_process: bool) -> int:
         return _exit_code_of_io_error(problem, FINE)
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else FINE
+    except MemoryError:
+        # Reported below, where what the command had in memory is free.
+        pass
     except Exception as problem:
         from cspdiag.base.render.snippet import printable
         from cspdiag.cli.support.internal import describe
 
         put(printable(describe(problem, given)))
         return INTERNAL_ERROR
+    _refuse("the memory that this process may have is used up")
+    return UNSUCCESSFUL
 
 
 def verb_parser(verb: str) -> ArgumentParser:

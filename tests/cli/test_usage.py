@@ -115,6 +115,35 @@ def test_an_internal_error_says_what_to_report(cspdiag: Command, good: Path, mon
         assert reported in result.err
 
 
+_SMALL_MEMORY = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_AS, (80_000_000, 80_000_000))
+from cspdiag.cli.main import main
+sys.exit(main(["check", sys.argv[1]]))
+"""
+
+
+def test_too_little_memory_is_said(tmp_path: Path) -> None:
+    large = tmp_path / "large.csp"
+    cells = "\n".join(f"        cell{number} : Cell" for number in range(20_000))
+    large.write_text(f"process Ring {{\n    communication {{\n{cells}\n    }}\n}}\n", encoding="utf-8")
+    result = subprocess.run(
+        [sys.executable, "-c", _SMALL_MEMORY, large], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (result.returncode, result.stderr) == (1, "cspdiag: the memory that this process may have is used up\n")
+
+
+@pytest.mark.parametrize("arguments", [("check", "x.csp"), ("new", "arm"), ("fmt", "x.csp"), ("run", "x.csp")])
+def test_a_folder_that_was_removed_is_said(
+    cspdiag: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
+) -> None:
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    folder.rmdir()
+    assert cspdiag(*arguments) == (2, "", "cspdiag: the present folder does not exist any more\n")
+
+
 def test_ctrl_c_ends_quietly(cspdiag: Command, good: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 FINE = 0
 UNSUCCESSFUL = 1
 """The program has errors, or a run ended unsuccessfully."""
@@ -23,6 +25,8 @@ class UsageError(Exception):
 
 def described(problem: OSError) -> str:
     """A file that cannot be read or written, with the reason, in one line."""
+    if isinstance(problem, FileNotFoundError) and _is_in_removed_folder():
+        return "the present folder does not exist any more"
     reason = problem.strerror or str(problem)
     reason = f"{reason[:1].lower()}{reason[1:]}"
     if problem.filename is None:
@@ -30,3 +34,11 @@ def described(problem: OSError) -> str:
     from cspdiag.base.render.snippet import on_one_line
 
     return f"{on_one_line(problem.filename)}: {reason}"
+
+
+def _is_in_removed_folder() -> bool:
+    try:
+        os.getcwd()
+    except OSError:
+        return True
+    return False
