@@ -28,7 +28,12 @@ _PROGRAM = (
 
 def wanted(arguments: list[str]) -> bool:
     """Whether a command line asks for a server."""
-    return arguments[:1] == ["check"] and "--server" in arguments
+    return (
+        arguments[:1] == ["check"]
+        and "--server" in arguments
+        and "--server-status" not in arguments
+        and "--server-stop" not in arguments
+    )
 
 
 def answered(command: list[str]) -> int | None:

@@ -48,6 +48,11 @@ def run(arguments: Namespace) -> int:
     if arguments.server_status or arguments.server_stop:
         from cspdiag.cli.server import control
 
+        option = "--server-stop" if arguments.server_stop else "--server-status"
+        if arguments.server_status and arguments.server_stop:
+            raise UsageError("--server-status and --server-stop cannot be given together")
+        if arguments.files or arguments.server or arguments.fix or arguments.diff:
+            raise UsageError(f"{option} checks nothing: give it without files and other options")
         return control.stop() if arguments.server_stop else control.show_status()
     if not arguments.files:
         raise UsageError("the following arguments are required: FILE (try cspdiag check --help)")

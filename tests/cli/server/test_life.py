@@ -57,6 +57,15 @@ def test_the_first_command_answers_by_itself_and_starts_a_server(alone: Place) -
     assert alone.check("--server-status").code == 1
 
 
+@pytest.mark.parametrize(
+    "options", [("--server-stop", "--server-status"), ("--server-stop", "x.csp"), ("--server-status", "--server")]
+)
+def test_what_has_no_effect_is_refused(alone: Place, options: tuple[str, ...]) -> None:
+    refused = alone.check(*options)
+    assert refused.code == 2
+    assert options[0].encode() in refused.err or options[1].encode() in refused.err
+
+
 def test_a_server_holds_nothing_of_its_callers(alone: Place) -> None:
     # As a hook may have: a pipe besides the standard streams, whose end is awaited.
     ours, theirs = os.pipe()
