@@ -1,9 +1,10 @@
-"""A counterexample as a table over time: a row for each step, a column for each process."""
+"""A counterexample as a table over time: a row for each step, and, if they are few, a column for each process."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby, takewhile
+from typing import NamedTuple
 
 from cspdiag.base import Span
 from cspdiag.base.render.snippet import on_one_line, printable
@@ -13,7 +14,16 @@ from cspdiag.proofs.counterexamples.rounds import Repeated, shortened
 _MARKS = {"!": "writes", "?": "reads", "*": "does something else"}
 _MOST_LINES = 3
 """At most this number of lines of a process in one round are shown side by side."""
+_MOST_COLUMNS = 20
+"""With more processes than this, each row names those who take part."""
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
+
+
+class _Row(NamedTuple):
+    number: str
+    event: str
+    cells: Mapping[str, str]
+    """What each process does that takes part, with the line of the text."""
 
 
 def table(found: Counterexample, width: int = 120) -> str:
@@ -22,7 +32,8 @@ def table(found: Counterexample, width: int = 120) -> str:
 
     ``!`` marks a process that writes, ``?`` one that reads, ``*`` one that does something else; a legend explains the
     marks, and where the branches are that have numbers for names. If the names of the processes would make the table
-    wider than ``width`` characters, the columns have numbers, and the names follow below.
+    wider than ``width`` characters, the columns have numbers, and the names follow below. With too many processes for
+    columns, each row names those who take part.
     """
     steps = [step for step in found.steps if step.shown]
     cycle = [step for step in found.cycle if step.shown]
@@ -33,18 +44,30 @@ def table(found: Counterexample, width: int = 120) -> str:
     if not names:
         return silent
     files = {party.span.file for party in parties if party.span is not None}
-    rows = list(_rows((*steps, *cycle), names, found.process, shows_files=len(files) > 1))
-    lines = _aligned([["", "", *names], *rows])
+    rows = list(_rows((*steps, *cycle), set(names), found.process, shows_files=len(files) > 1))
     legend = [f"lines of {printable(file)}" for file in files] if len(files) == 1 else []
-    legend.append(_key(cell for row in rows for cell in row[2:]))
+    legend.append(_key(cell for row in rows for cell in row.cells.values()))
     where = _where(names, branches, shows_files=len(files) > 1)
-    if max(map(len, lines)) > width:
-        lines = _aligned([["", "", *(f"({number})" for number in range(1, len(names) + 1))], *rows])
-        legend = [f"({number}) {name}" for number, name in enumerate(names, start=1)] + legend
+    lines, numbered = _laid_out(rows, names, width)
     if cycle:
         lines.insert(len(lines) - len(cycle), "then again and again:")
-    below = (*_wrapped(legend, width), *_wrapped(where, width))
+    below = (*_wrapped((*numbered, *legend), width), *_wrapped(where, width))
     return "".join(f"{line}\n" for line in lines) + silent + "".join(f"{line}\n" for line in below)
+
+
+def _laid_out(rows: Sequence[_Row], names: Sequence[str], width: int) -> tuple[list[str], list[str]]:
+    """The lines of the table, which begins with a heading, and the names of the columns that have numbers."""
+    if len(names) > _MOST_COLUMNS:
+        parts = [", ".join(f"{name} {cell.strip()}" for name, cell in row.cells.items()) for row in rows]
+        named = [[row.number, row.event, part] for row, part in zip(rows, parts, strict=True)]
+        return _aligned([["", "", "who takes part"], *named]), []
+    cells = [[row.number, row.event, *(row.cells.get(name, "") for name in names)] for row in rows]
+    lines = _aligned([["", "", *names], *cells])
+    if max(map(len, lines)) <= width:
+        return lines, []
+    numbers = [f"({number})" for number in range(1, len(names) + 1)]
+    numbered = [f"{number} {name}" for number, name in zip(numbers, names, strict=True)]
+    return _aligned([["", "", *numbers], *cells]), numbered
 
 
 def _in_text_order(names: Sequence[str], branches: Mapping[str, Span]) -> list[str]:
@@ -92,14 +115,14 @@ def _key(cells: Iterable[str]) -> str:
     return ", ".join(f"{mark} {meaning}" for mark, meaning in _MARKS.items() if mark in marks)
 
 
-def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, shows_files: bool) -> Iterator[list[str]]:
+def _rows(steps: Sequence[Step], names: Container[str], process: str, *, shows_files: bool) -> Iterator[_Row]:
     """A row for each step, or for all rounds of a loop; the numbers count single steps."""
     number = 1
     for part in shortened(steps):
         last = number + part.times * len(part.steps) - 1
         if part.times > 1:
-            cells = (_cell_of_rounds(part.steps, name, shows_files) for name in names)
-            yield [f"{number}-{last}", f"{part.times} more rounds{_given(part, process)}", *cells]
+            event = f"{part.times} more rounds{_given(part, process)}"
+            yield _Row(f"{number}-{last}", event, _cells_of_rounds(part.steps, names, shows_files))
         else:
             yield _row(number, part.steps[0], names, process, shows_files)
         number = last + 1
@@ -110,10 +133,9 @@ def _given(part: Repeated, process: str) -> str:
     return "".join(f", {step.channel.removeprefix(f'{process}.')} {step.value}" for step in part.steps if step.value)
 
 
-def _row(number: int, step: Step, names: Sequence[str], process: str, shows_files: bool) -> list[str]:
-    taking_part = {party.name: party for party in step.parties}
-    cells = (_cell(step, taking_part[name], shows_files) if name in taking_part else "" for name in names)
-    return [str(number), event_text(step, process), *cells]
+def _row(number: int, step: Step, names: Container[str], process: str, shows_files: bool) -> _Row:
+    cells = {party.name: _cell(step, party, shows_files) for party in step.parties if party.name in names}
+    return _Row(str(number), event_text(step, process), cells)
 
 
 def event_text(step: Step, process: str) -> str:
@@ -129,12 +151,18 @@ def _cell(step: Step, party: Party, shows_file: bool) -> str:
     return f"{_direction(step, party)}{_place(party, shows_file)}"
 
 
-def _cell_of_rounds(steps: Sequence[Step], name: str, shows_file: bool) -> str:
-    """What a process does in each round, by line; only the first line if there are many."""
-    marks: dict[str, dict[str, None]] = {}
+def _cells_of_rounds(steps: Sequence[Step], names: Container[str], shows_file: bool) -> dict[str, str]:
+    """What each process does in a round, by line; only the first line if there are many."""
+    marks: dict[str, dict[str, dict[str, None]]] = {}
     for step in steps:
-        for party in (party for party in step.parties if party.name == name):
-            marks.setdefault(_place(party, shows_file), {})[_direction(step, party)] = None
+        for party in step.parties:
+            if party.name in names:
+                of_line = marks.setdefault(party.name, {}).setdefault(_place(party, shows_file), {})
+                of_line[_direction(step, party)] = None
+    return {name: _of_lines(lines) for name, lines in marks.items()}
+
+
+def _of_lines(marks: Mapping[str, Iterable[str]]) -> str:
     if len(marks) > _MOST_LINES:
         return f"*{next(iter(marks))}"
     return " ".join(f"{''.join(of_line)}{line}" for line, of_line in marks.items())

@@ -1,4 +1,6 @@
-"""The columns of tables: branches without names are in the order of the text, and the key says where they begin."""
+"""The columns of tables: branches without names are in the order of the text, and the key says where they begin. There
+are no columns for very many processes.
+"""
 
 from __future__ import annotations
 
@@ -67,3 +69,43 @@ process Main { communication { w : Writer r : Reader w.c -> r.c } composition { 
 assert Main deadlock free
 """
     assert not any("branch" in line for line in _table(named))
+
+
+def ring(cells: int) -> str:
+    return f"""process Cell {{
+  in input : int
+  out output : int
+  communication {{ var x : int }}
+  composition {{ mu (input ? x ; output ! x) }}
+}}
+process First {{
+  in input : int
+  out output : int
+  communication {{ var x : int = 7 }}
+  composition {{ mu (output ! x ; input ? x) }}
+}}
+process Main {{
+  communication {{
+    first : First
+    cell[{cells}] : Cell
+    first.output -> cell[0].input
+    for i < {cells - 1} {{ cell[i].output -> cell[i + 1].input }}
+    cell[{cells - 1}].output -> first.input
+  }}
+  composition {{ first || par i < {cells} : cell[i] }}
+}}
+assert Main livelock free
+"""
+
+
+def test_with_very_many_processes_each_row_names_those_who_take_part() -> None:
+    assert "(1)" in _table(ring(19))[0]
+    lines = _table(ring(20))
+    assert lines[0].split() == ["who", "takes", "part"]
+    assert lines[2].split("  ")[-1].strip() == "first !11, cell[0] ?5"
+    assert lines[-2].split("  ")[-1].strip() == "cell[19] !5, first ?11"
+
+
+def test_a_table_grows_as_the_processes_do() -> None:
+    small, large = (len("".join(_table(ring(cells)))) for cells in (100, 200))
+    assert large < 2.2 * small
