@@ -92,11 +92,13 @@ def check(
     overrides: Mapping[str, Value] | None = None,
     *,
     parse: Callable[[SourceFile, Report], SourceTree] | None = None,
+    for_findings: bool = False,
 ) -> Checked:
     """Find all errors in a program and the files it imports.
 
     ``overrides`` replaces the values of constants by name; ``parse`` gives the trees of files, if they are to be
-    remembered. No program makes it raise an exception.
+    remembered. ``for_findings``: only the diagnostics are wanted; a program of many elements, of which fewer are enough
+    to know that there are none, then has no ``analysis``. No program makes it raise an exception.
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
@@ -116,7 +118,7 @@ def check(
         readable = resolve(trees, overrides or {}, report)
         check_model(readable, report)
         return Checked(program=None, report=report, readable=readable)
-    return _checked(trees, overrides or {}, report)
+    return _checked(trees, overrides or {}, report, for_findings=for_findings)
 
 
 @raised_recursion_limit()
@@ -131,13 +133,17 @@ def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[La
     return _checked(checked.program.trees, constants, report)
 
 
-def _checked(trees: Sequence[SourceTree], overrides: Mapping[str, Value], report: Report) -> Checked:
+def _checked(
+    trees: Sequence[SourceTree], overrides: Mapping[str, Value], report: Report, *, for_findings: bool = False
+) -> Checked:
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.names.resolve import resolve
     from cspdiag.network.check import check as check_network
 
     program = resolve(trees, overrides, report)
     check_model(program, report)
+    if for_findings and not report.diagnostics and _is_clean_with_fewer(program):
+        return Checked(program=program, report=report, readable=program)
     analysis = check_network(program, report)
     network = None
     if not report.has_errors:
@@ -145,6 +151,31 @@ def _checked(trees: Sequence[SourceTree], overrides: Mapping[str, Value], report
 
         network = analyse(program, analysis, report)
     return Checked(program=program, report=report, readable=program, analysis=analysis, network=network)
+
+
+def _is_clean_with_fewer(program: Program) -> bool:
+    """Whether nothing is wrong with the processes of a program of many elements, as fewer of them show."""
+    from cspdiag.network.elaborate.fewer.sizes import fewer_elements
+
+    sizes = fewer_elements(program)
+    if not sizes:
+        return False
+    from cspdiag.model.checks.rules import check as check_model
+    from cspdiag.model.names.resolve import resolve
+    from cspdiag.network.analyse import LARGEST_PROGRAM
+    from cspdiag.network.check import check as check_network
+    from cspdiag.network.elaborate.fewer.alike import alike, keeps_values
+
+    report = Report()
+    few = resolve(program.trees, {**program.overrides, **sizes}, report)
+    check_model(few, report)
+    varying = None if report.diagnostics else alike(program, few, LARGEST_PROGRAM)
+    if varying is None:
+        return False
+    shapes = check_network(few, report).elaboration.shapes
+    return not report.diagnostics and not any(
+        map(keeps_values, (s for s in shapes if s.definition in varying.definitions))
+    )
 
 
 @raised_recursion_limit()

@@ -153,10 +153,28 @@ def _composed(step: Repeated | str, operator: str, sign: str, size: int, rolled:
     return f"({sign.join(step.each(size))})"
 
 
+class _Whole(int):
+    """A number with the quotient of the language, which is rounded towards zero."""
+
+    def __add__(self, other: int) -> _Whole:
+        return _Whole(int(self) + int(other))
+
+    def __sub__(self, other: int) -> _Whole:
+        return _Whole(int(self) - int(other))
+
+    def __mul__(self, other: int) -> _Whole:
+        return _Whole(int(self) * int(other))
+
+    def __truediv__(self, other: int) -> _Whole:
+        return _Whole(abs(int(self)) // abs(int(other)) * (1 if self * other >= 0 else -1))
+
+    def __mod__(self, other: int) -> _Whole:
+        return self - self / other * other
+
+
 def _value(expression: str, size: int, index: int) -> int:
-    found = eval(expression.replace("/", "//"), {"size": size, "i": index})
-    assert isinstance(found, int)
-    return found
+    literal = re.sub(r"\d+", r"whole(\g<0>)", expression)
+    return int(eval(literal, {"whole": _Whole, "size": _Whole(size), "i": _Whole(index)}))
 
 
 RING = Topology(
@@ -213,7 +231,8 @@ def other_index(chosen: random.Random, topology: Topology) -> Topology:
     """Another expression in place of one index."""
     indexes = (
         "i + 1", "i - 1", "i + 2", "size - 1 - i", "(i + 2) % size", "i / 2", "2 * i", "0", "size - 1", "i % 3",
-        "i * i", "i * 9223372036854775807", "(i + 1) % (size - 1)", "(i + size - 1) % size",
+        "i * i", "i * 1000000007", "(i + 1) % (size - 1)", "(i + size - 1) % size", "(i + 100) % size",
+        "7 * i % size", "(i + size - 24) % size", "i % 200", "(i + i / 100) % size", "i / 100 + i % 100",
     )  # fmt: skip
 
     def change(part: Repeated) -> Repeated:
@@ -290,7 +309,8 @@ def other_argument(chosen: random.Random, topology: Topology) -> Topology:
     argument = chosen.choice(
         (
             "i", "size - i", "i * 9223372036854775807", "100 / i", "100 / (i - 3)", "100 % (size - 1 - i)", "-i",
-            "if i == 4 then 1 / (i - 4) else i", "i - 4", "1000000007 * i * i",
+            "if i == 4 then 1 / (i - 4) else i", "i - 4", "1000000007 * i * i", "i * 46116860184273879",
+            "100 / (i - 200)",
         )
     )  # fmt: skip
     declared = ["cell[i < size] : Cell(gain = " + argument + ")" if "cell[" in d else d for d in topology.declarations]

@@ -80,7 +80,7 @@ class Memory:
             self.uses.append(known[0])
             return known[1]
         reading = _Reading(read)
-        found = check(main, reading, parse=self._parse).report.diagnostics
+        found = check(main, reading, parse=self._parse, for_findings=True).report.diagnostics
         if not reading.has_failed:
             self.uses.append(Use((main.name, main.text), tuple(reading.texts.items())))
         return found
@@ -96,7 +96,9 @@ class Memory:
         texts = dict(use.imported)
         name, text = use.main
         main = SourceFile(name=name, text=text)
-        found = check(main, lambda name: SourceFile(name=name, text=texts[name]), parse=self._parse).report.diagnostics
+        found = check(
+            main, lambda name: SourceFile(name=name, text=texts[name]), parse=self._parse, for_findings=True
+        ).report.diagnostics
         self._findings.put(use.main, (use, found), use.size)
         return True
 
@@ -139,7 +141,7 @@ def _is_unchanged(use: Use, read: Reader) -> bool:
 
 
 def _with_kept_trees(main: SourceFile, read: Reader) -> list[Diagnostic]:
-    return check(main, read, parse=kept.parse).report.diagnostics
+    return check(main, read, parse=kept.parse, for_findings=True).report.diagnostics
 
 
 _find: Callable[[SourceFile, Reader], list[Diagnostic]] = _with_kept_trees
