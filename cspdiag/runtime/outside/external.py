@@ -138,9 +138,16 @@ def handing_over(outputs: Iterable[SampledOutput[Any]]) -> Iterator[Callable[[],
 
 def _handing_to_signals(outputs: Sequence[SampledOutput[Any]]) -> Callable[[], None]:
     scheduler = present()
+    lines = [(port, port.line) for port in outputs]
     noted = [(port, port.line, *scheduler.port_log(port.name)) for port in outputs]
 
     def tick() -> None:
+        for port, signal in lines:
+            if port.written:
+                port.written = False
+                signal.value = port.latched
+
+    def noted_tick() -> None:
         for port, signal, note_time, note_value in noted:
             if port.written:
                 port.written = False
@@ -151,7 +158,7 @@ def _handing_to_signals(outputs: Sequence[SampledOutput[Any]]) -> Callable[[], N
                 elif scheduler.observe is not None:
                     scheduler.observe(port.name, value, port.writer, None)
 
-    return tick
+    return noted_tick if scheduler.port_logs or scheduler.observe is not None else tick
 
 
 class EventOutput(_ExternalOutput[T], Generic[T]):

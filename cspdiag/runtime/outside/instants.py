@@ -196,7 +196,9 @@ class Instants:
             if instant >= end or root.ended or stopping.signal or (heap and heap[0] <= instant):
                 return instant
             awaited = self.awaited_end
-            if (awaited is None or awaited.waiter is None) and not self.port_can_have_effect():
+            if (
+                awaited is None or (awaited.waiter is None and not awaited.alternative_waits())
+            ) and not self.port_can_have_effect():
                 return instant
             phase = phase.following or self._after_phase(phase, instant)
 
@@ -222,11 +224,8 @@ class Instants:
 
     def port_can_have_effect(self) -> bool:
         """Whether anything at a later instant, except timers, can make a process ready or hand over a value."""
-        if self._likely_port is not None and self._likely_port.can_have_effect:
-            return True
-        for port in self._ports:
-            if port.can_have_effect:
-                self._likely_port = port
-                self.awaited_end = port.awaited_end if isinstance(port, SampledInput) else None
-                return True
-        return False
+        likely = self._likely_port
+        if likely is None or not likely.can_have_effect:
+            likely = self._likely_port = next((port for port in self._ports if port.can_have_effect), None)
+        self.awaited_end = likely.awaited_end if isinstance(likely, SampledInput) else None
+        return likely is not None

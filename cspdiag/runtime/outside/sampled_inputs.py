@@ -51,7 +51,7 @@ class SampledEnd(LatchedEnd[T]):
     other reads of that tick.
     """
 
-    __slots__ = ("_lacks", "_port", "begun", "overdue", "pace", "waiter")
+    __slots__ = ("_lacks", "_port", "begun", "overdue", "pace", "steady", "waiter")
 
     def __init__(self, port: SampledInput[T], pace: _Pace) -> None:
         super().__init__(port.name)
@@ -59,6 +59,10 @@ class SampledEnd(LatchedEnd[T]):
         self.pace = pace
         self.begun = False
         self.overdue = False
+        self.steady = False
+        """Whether the next sample, and the next read, only hand a value over: its session has begun, its process
+        follows the ticks, and it is not ``overdue``.
+        """
         self._lacks = ""
         self.waiter: Party | None = None
         pace.ends.append(self)
@@ -78,17 +82,23 @@ class SampledEnd(LatchedEnd[T]):
             for end in self.pace.ends:
                 if not end.begun and end._port.latest is not NO_SAMPLE:
                     end._hold(end._port.latest)
-                end._port.sessions_changed()
+                end._settle()
         if self.fresh:
             self.miss()
         self.value = value
         self._lacks = ""
         self._arrived()
 
+    def _settle(self) -> None:
+        """What ``steady`` and ``listens`` depend on may have changed."""
+        self.steady = self.begun and self.pace.followed and not self.overdue
+        self._port.sessions_changed()
+
     def miss(self) -> None:
         """A sample was not taken, and will not be."""
         self._port.missed += 1
         self.overdue = self._port.on_miss == "timeout"
+        self._settle()
 
     def _arrived(self) -> None:
         self.fresh = True
@@ -102,6 +112,7 @@ class SampledEnd(LatchedEnd[T]):
         """No sample has arrived for too long: the reader gets a Timeout."""
         if not self.fresh:
             self.overdue = True
+            self._settle()
             self._lacks = account
             self._arrived()
 
@@ -126,7 +137,7 @@ class SampledEnd(LatchedEnd[T]):
             scheduler.current = task
             if task.cancelled:
                 raise Cancelled
-        if self.overdue or not self.begun:
+        if not self.steady:
             return self.taken(task)
         self.fresh = False
         if self.inputs:
@@ -166,6 +177,7 @@ class SampledEnd(LatchedEnd[T]):
         """The sample, which ``reader`` takes. Raises Timeout if one was overwritten before it."""
         if self.overdue:
             self.overdue = False
+            self._settle()
             policy = present().policy
             if policy is not None:
                 policy.took_part(reader, "miss", self.name)
@@ -185,7 +197,7 @@ class SampledEnd(LatchedEnd[T]):
 
     def _begin(self) -> None:
         self.begun = True
-        self._port.sessions_changed()
+        self._settle()
         for selector, bit in self.inputs:
             selector.attend &= ~bit
 
@@ -193,7 +205,8 @@ class SampledEnd(LatchedEnd[T]):
         """The session is over: the next read waits for the next tick again."""
         self.begun = self.fresh = self.overdue = self.pace.followed = False
         self._lacks = ""
-        self._port.sessions_changed()
+        for end in self.pace.ends:
+            end._settle()
         for selector, bit in self.inputs:
             selector.attend |= bit
             selector.ready &= ~bit
@@ -226,7 +239,7 @@ class SampledInput(In[T]):
     """
 
     __slots__ = (
-        "_silent", "accepts", "driver", "ends", "latest", "line", "listening", "missed", "name", "on_miss",
+        "_silent", "accepts", "driver", "ends", "latest", "line", "listening", "missed", "name", "on_miss", "only",
         "ticks",
     )  # fmt: skip
 
@@ -240,6 +253,8 @@ class SampledInput(In[T]):
         self.line: Any = driver
         self.ends: list[SampledEnd[T]] = []
         self.listening: list[SampledEnd[T]] | None = None
+        self.only: SampledEnd[T] | None = None
+        """The end that listens, if it is the only one and is ``steady``; None also if that has to be found out."""
         self._silent = 0
         """Ticks since the last sample."""
         self.missed = 0
@@ -269,8 +284,8 @@ class SampledInput(In[T]):
         return _Pace()
 
     def sessions_changed(self) -> None:
-        """Called when the set of ends that listen may have changed."""
-        self.listening = None
+        """Called when an end may have begun or ceased to listen or to be steady."""
+        self.listening = self.only = None
 
     def listening_ends(self) -> list[SampledEnd[T]]:
         """The ends that listen, which it remembers in ``listening``."""
@@ -296,6 +311,14 @@ class SampledInput(In[T]):
             scheduler.sample_log.extend((scheduler.now, self.name, value))
         for end in self.listening_ends():
             end.sample(value)
+
+    def hand_out(self, value: T) -> None:
+        """Gives the sample of a simulated tick to all ends that listen."""
+        for end in self.listening_ends():
+            end.sample(value)
+        listening = self.listening_ends()
+        if len(listening) == 1 and listening[0].steady:
+            (self.only,) = listening
 
     def skip(self) -> None:
         """A tick that has passed together with the next one: its sample is missed, and the driver is not called."""
@@ -333,8 +356,8 @@ class SampledInput(In[T]):
 
     @property
     def awaited_end(self) -> SampledEnd[T] | None:
-        """An end at which a reader waits for a sample that will arrive, or None."""
-        waiting = (end for end in self.ends if end.waiter is not None)
+        """An end at which a reader or an alternative waits for a sample that will arrive, or None."""
+        waiting = (end for end in self.listening_ends() if end.waiter is not None or end.alternative_waits())
         return None if self.driver is None else next(waiting, None)
 
 
@@ -354,7 +377,7 @@ def sampling(inputs: Iterable[SampledInput[Any]], late: int) -> Iterator[Callabl
 
 
 def _sampling_signals(inputs: Sequence[SampledInput[Any]]) -> Callable[[], None]:
-    """Ends that wait for a sample after others are served in place."""
+    """The end of an input with only one is served in place."""
     scheduler = present()
     log = scheduler.sample_log
     is_noted = log is not None or bool(scheduler.port_logs)
@@ -367,19 +390,18 @@ def _sampling_signals(inputs: Sequence[SampledInput[Any]]) -> Callable[[], None]
         enqueue = scheduler.enqueue
         for port, signal in lines:
             port.latest = value = signal.value
-            listening = port.listening
-            for end in port.listening_ends() if listening is None else listening:
-                if end.begun and end.pace.followed and not end.fresh:
-                    end.value = value
-                    end.fresh = True
-                    waiter = end.waiter
-                    if waiter is not None:
-                        end.waiter = None
-                        enqueue(waiter.entry)
-                    if end.inputs:
-                        raise_bits(end.inputs)
-                else:
-                    end.sample(value)
+            end = port.only
+            if end is not None and not end.fresh:
+                end.value = value
+                end.fresh = True
+                waiter = end.waiter
+                if waiter is not None:
+                    end.waiter = None
+                    enqueue(waiter.entry)
+                if end.inputs:
+                    raise_bits(end.inputs)
+            elif port.listening is None or port.listening:
+                port.hand_out(value)
 
     def note() -> None:
         for (port, signal), (note_time, note_value) in zip(lines, notes, strict=True):

@@ -95,7 +95,7 @@ class Composition(Alternatives, LawSteps):
                 return (run(self._instance(instance).call("reset")),)
             case ir.Repeat(until=until):
                 with self._loop():
-                    return (self._repeat(action, until),)
+                    return self._repeat(action, until)
             case ir.WhileLoop(condition=condition, body=body):
                 with self._loop():
                     return (self._conditional_block("while", condition, action, self.statements(body)),)
@@ -147,11 +147,20 @@ class Composition(Alternatives, LawSteps):
 
     # Control flow
 
-    def _repeat(self, action: ir.Repeat, until: Expression | None) -> Block:
-        statements = self.statements(action.body)
-        if until is not None:
-            statements += (self._conditional_block("if", until, action, (BREAK,)),)
-        return Block("while", TRUE, statements)
+    def _repeat(self, action: ir.Repeat, until: Expression | None) -> Statements:
+        body = self.statements(action.body)
+        end = () if until is None else (self._conditional_block("if", until, action, (BREAK,)),)
+        leave = self.executes(self.process)
+        if not self._is_one_law(action.body) or body[-1] != leave:
+            return (Block("while", TRUE, (*body, *end)),)
+        loop = Block("while", TRUE, (*body[1:-1], *end))  # The task executes the law from one iteration to the next.
+        return (body[0], loop, *((leave,) if end else ()))
+
+    @staticmethod
+    def _is_one_law(body: ir.Action) -> bool:
+        steps = body.steps if isinstance(body, ir.SequentialSteps) else (body,)
+        laws = {law_of(step) for step in steps}
+        return len(laws) == 1 and "" not in laws
 
     def _if(self, action: ir.IfElse) -> Statements:
         keyword: Literal["if", "elif"] = "if"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import assert_never
+from typing import Literal, assert_never
 
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.values import Values, one_line
@@ -148,24 +148,33 @@ class Alternatives(Values):
     def _parked(self, choice: ir.Choice, local: Code, guards: Code, mask: Code | None) -> Iterator[Statement]:
         """Wait until a guard is ready."""
         me, ready, wanted = self.spelling["me"], self.spelling["ready"], mask or integer(-1)
-        if all(self._only_wakes(branch.event) for branch in choice.branches):
-            waits = (
-                run(local.call("park", me, wanted)),
-                YIELD,
-                assign(guards.field("waiting"), NONE),
-                *self.communications.check(),
-                self._ready(guards, mask),
-            )
-            yield Block("while", negated(ready), waits)
+        announced = {self._announced(branch.event) for branch in choice.branches}
+        parked = (
+            run(local.call("park", me, wanted)),
+            YIELD,
+            assign(guards.field("waiting"), NONE),
+            *self.communications.check(),
+            self._ready(guards, mask),
+        )
+        waiting = (*self.set_current_task(), assign(ready, delegated(local.call("wait", wanted))))
+        if "always" in announced:
+            yield if_(negated(ready), *waiting)
+        elif "at first" in announced:
+            attended = infix("&", BITS_AND, guards.field("attend"), mask) if mask else guards.field("attend")
+            yield Block("while", negated(ready), (if_(attended, *waiting), else_(*parked)))
         else:
-            waiting = delegated(local.call("wait", wanted))
-            yield if_(negated(ready), *self.set_current_task(), assign(ready, waiting))
+            yield Block("while", negated(ready), parked)
 
-    def _only_wakes(self, event: ir.Event) -> bool:
-        """Whether the end of a guard need not know that an alternative waits."""
-        if isinstance(event, ir.InputEvent | ir.ReadyEvent):
-            return self.spelling.medium(event.source).kind in ("sync", "event", "buffer", "overwrite", "any")
-        return isinstance(event, ir.SkipEvent)
+    def _announced(self, event: ir.Event) -> Literal["never", "at first", "always"]:
+        """When an alternative that waits is announced to the end of a guard: to that of samples while its session has
+        not begun.
+        """
+        if not isinstance(event, ir.InputEvent | ir.ReadyEvent):
+            return "never" if isinstance(event, ir.SkipEvent) else "always"
+        kind = self.spelling.medium(event.source).kind
+        if kind in ("sync", "event", "buffer", "overwrite", "any"):
+            return "never"
+        return "at first" if kind == "sampled" else "always"
 
     def _memory(self, attribute: str, local: Code) -> Code:
         if self.spelling.runs_again:

@@ -104,7 +104,7 @@ class Communications:
 
     def observed(self, name: Code, value: Code, writer: Code, reader: Code) -> Statement:
         """Report a communication to the observer, if there is one."""
-        observe = self.spelling.of_run("scheduler").field("observe")
+        observe = self.spelling.of_run("observe")
         return if_(is_not_none(observe), run(call(observe, name, value, writer, reader)))
 
     # One communication
@@ -148,9 +148,9 @@ class Communications:
     def _sampled_read(self, end: Code, into: Code, medium: Medium) -> Statements:
         """Wait for a sample, and take it."""
         me = self.spelling["me"]
-        in_session = infix("and", AND, end.field("begun"), infix("is", COMPARISON, end.field("waiter"), NONE))
+        in_turn = infix("and", AND, end.field("steady"), infix("is", COMPARISON, end.field("waiter"), NONE))
         wait = (
-            if_(in_session, assign(me.field("waiting"), end), assign(end.field("waiter"), me)),
+            if_(in_turn, assign(me.field("waiting"), end), assign(end.field("waiter"), me)),
             else_(run(end.call("wait", me))),
             YIELD,
             *self.check(),
@@ -158,7 +158,7 @@ class Communications:
         return (if_(negated(end.field("fresh")), *wait), *self._sample_taken(end, into, medium))
 
     def _sample_taken(self, end: Code, into: Code, medium: Medium) -> Statements:
-        """Take a sample that is there; inlined if it is the next of a session."""
+        """Take a sample that is there; inlined if that only hands it over."""
         me, inputs = self.spelling["me"], end.field("inputs")
         lowered = if_(inputs, run(call(self.runtime("lower_bits"), inputs))) if medium.guarded_reads else None
         in_place: Statements = (
@@ -167,8 +167,7 @@ class Communications:
             *([lowered] if lowered else []),
             self.observed(end.field("name"), into, NONE, me),
         )
-        usual = infix("and", AND, end.field("begun"), negated(end.field("overdue")))
-        return (if_(usual, *in_place), else_(assign(into, end.call("taken", me))))
+        return (if_(end.field("steady"), *in_place), else_(assign(into, end.call("taken", me))))
 
     def write(self, sink: End, value: Code) -> Statements:
         """Write a value that is simple enough to be evaluated twice."""
@@ -187,6 +186,11 @@ class Communications:
             known = () if medium.kind in ("latched", "direct") else self.set_current_task()
             return (*self.check(), *known, run(end.call("offer", self.spelling["me"], value)))
         return (*self.set_current_task(), run(delegated(end.call("write", value))))
+
+    def is_unseen(self, sink: End) -> bool:
+        """Whether a write is only kept: until the next tick, or in a variable."""
+        medium = self.spelling.medium(sink)
+        return medium.kind in ("latched", "discard") or is_plain_access(sink, medium)
 
     def _latched(self, sink: End, end: Code, value: Code) -> Statements:
         """Keep a finite value for the next tick."""

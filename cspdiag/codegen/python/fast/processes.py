@@ -205,8 +205,9 @@ class _ProcessWriter(ConstructorWriter):
         if "scheduler" in spelling.run:
             yield assign(spelling["scheduler"], scheduler)
             scheduler = spelling["scheduler"]
-        if "queue" in spelling.run:
-            yield assign(spelling["queue"], scheduler.field("queue"))
+        for helper in ("queue", "observe"):
+            if helper in spelling.run:
+                yield assign(spelling[helper], scheduler.field(helper))
 
     @staticmethod
     def _generator(body: Statements) -> Statements:

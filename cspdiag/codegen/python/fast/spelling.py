@@ -30,6 +30,7 @@ _HELPERS = (
     "k",
     "scheduler",
     "queue",
+    "observe",
 )
 
 MEDIA_WITHOUT_COMMUNICATION = frozenset({"var", "constant", "discard"})
@@ -50,7 +51,7 @@ class Spelling:
     """Whether variables with a unit are recorded."""
     bound: dict[str, None] = field(default_factory=dict)
     run: set[str] = field(default_factory=set)
-    """Which of ``scheduler`` and ``queue`` of the run the code uses."""
+    """Which of ``scheduler``, ``queue`` and ``observe`` of the run the code uses."""
 
     def __post_init__(self) -> None:
         self.members = Members(self.process, self.network)
@@ -95,8 +96,8 @@ class Spelling:
         return Name(self.helpers[helper])
 
     def of_run(self, helper: str) -> Name:
-        """The local variable for the ``scheduler`` of the run, or for its ``queue``, into which all that is ready is
-        put in a program without prioritized parallels.
+        """The local variable for the ``scheduler`` of the run, for its ``queue``, into which all that is ready is put
+        in a program without prioritized parallels, or for ``observe``, which notes communications.
         """
         self.run.add(helper)
         return self[helper]

@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.python.fast.laws.in_place import InlineLaw, reset_statements
+from cspdiag.codegen.python.fast.spelling import is_plain_access
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.fast.values import Values
 from cspdiag.codegen.python.text.code import Code, Constant, Name, call
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.statements import RAISE, Block, Statement, assign, if_, run, try_
 from cspdiag.network.ir.actions import Action, End, ReadInputs, RunLaw, WriteOutputs
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import LiteralValue, ParameterValue, SignalValue
 from cspdiag.network.ir.external import external_calls
 
@@ -22,7 +24,7 @@ class LawSteps(Values):
 
     def _law(self, steps: Sequence[Action]) -> Iterator[Statement]:
         """Steps of one law, executed under its name."""
-        me, error = self.spelling["me"], self.spelling["error"]
+        error = self.spelling["error"]
         law = law_of(steps[0])
         part = self.spelling.part(law)
         inner: list[Statement] = []
@@ -42,11 +44,34 @@ class LawSteps(Values):
         self.communications.finite = frozenset()
         if not inner:
             return
-        yield assign(me.field("process"), part)
+        enter, leave = self.executes(part), self.executes(self.process)
+        blamed = (run(part.call("blame", error)), RAISE)
+        if all(map(self._is_unseen, steps)):
+            yield try_(*inner)
+            yield Block("except", Name("Exception"), blamed, bound=error.text)
+            return
+        yield enter
         yield try_(*inner)
-        back = assign(me.field("process"), self.process)
-        yield Block("except", Name("Exception"), (back, run(part.call("blame", error)), RAISE), bound=error.text)
-        yield back
+        yield Block("except", Name("Exception"), (leave, *blamed), bound=error.text)
+        yield leave
+
+    def executes(self, part: Code) -> Statement:
+        """From now on the task executes ``part``."""
+        return assign(self.spelling["me"].field("process"), part)
+
+    def _is_unseen(self, step: Action) -> bool:
+        """Whether nothing outside can see, during a step of a law, what executes it: it does not wait, reports no
+        communication and calls no code of others.
+        """
+        match step:
+            case RunLaw(equations=equations):
+                return not any(isinstance(item, ExternalCall) for item in equations)
+            case ReadInputs(reads=reads):
+                return all(is_plain_access(read.source, self.spelling.medium(read.source)) for read in reads)
+            case WriteOutputs(writes=writes):
+                return all(self.communications.is_unseen(write.sink) for write in writes)
+            case _:  # No other action is a step of a law.
+                return False
 
     def _inline_law(self, law: RunLaw) -> InlineLaw:
         return InlineLaw(law, self.spelling.process, self.printer, self.spelling.names, self.place_of, self.modules)

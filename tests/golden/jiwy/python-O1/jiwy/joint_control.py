@@ -147,6 +147,7 @@ class JointControl(Routine):
 
     def steps(self, me: Task) -> Steps:
         scheduler = me.scheduler
+        observe = scheduler.observe
         alignL_process = self.alignL_process
         alignL_velocity_law = self.alignL_velocity_law
         feedback = self.feedback
@@ -218,14 +219,14 @@ class JointControl(Routine):
         def _run_velocity(me: Task) -> Steps:
             nonlocal alignL_stop, alignL_velocity_filtered, alignL_velocity_last
             nonlocal alignL_velocity_moving, alignL_velocity_pressed, alignL_velocity_ui
+            me.process = alignL_velocity_law
             while True:
-                me.process = alignL_velocity_law
                 try:
                     # laws.csp:88  inputs of alignL.velocity
                     if me.cancelled:
                         raise Cancelled
                     if not feedback.fresh:
-                        if feedback.begun and feedback.waiter is None:
+                        if feedback.steady and feedback.waiter is None:
                             me.waiting = feedback
                             feedback.waiter = me
                         else:
@@ -233,13 +234,13 @@ class JointControl(Routine):
                         yield
                         if me.cancelled:
                             raise Cancelled
-                    if feedback.begun and not feedback.overdue:
+                    if feedback.steady:
                         feedback.fresh = False
                         alignL_velocity_feedback = feedback.value
                         if feedback.inputs:
                             lower_bits(feedback.inputs)
-                        if scheduler.observe is not None:
-                            scheduler.observe(feedback.name, alignL_velocity_feedback, None, me)
+                        if observe is not None:
+                            observe(feedback.name, alignL_velocity_feedback, None, me)
                     else:
                         alignL_velocity_feedback = feedback.taken(me)
                     # laws.csp:103
@@ -315,21 +316,21 @@ class JointControl(Routine):
                     me.process = alignL_process
                     alignL_velocity_law.blame(error)
                     raise
-                me.process = alignL_process
                 if alignL_stop:
                     break
+            me.process = alignL_process
 
         def _run_velocity_(me: Task) -> Steps:
             nonlocal alignR_stop, alignR_velocity_filtered, alignR_velocity_last
             nonlocal alignR_velocity_moving, alignR_velocity_pressed, alignR_velocity_ui
+            me.process = alignR_velocity_law
             while True:
-                me.process = alignR_velocity_law
                 try:
                     # laws.csp:88  inputs of alignR.velocity
                     if me.cancelled:
                         raise Cancelled
                     if not feedback_2.fresh:
-                        if feedback_2.begun and feedback_2.waiter is None:
+                        if feedback_2.steady and feedback_2.waiter is None:
                             me.waiting = feedback_2
                             feedback_2.waiter = me
                         else:
@@ -337,13 +338,13 @@ class JointControl(Routine):
                         yield
                         if me.cancelled:
                             raise Cancelled
-                    if feedback_2.begun and not feedback_2.overdue:
+                    if feedback_2.steady:
                         feedback_2.fresh = False
                         alignR_velocity_feedback = feedback_2.value
                         if feedback_2.inputs:
                             lower_bits(feedback_2.inputs)
-                        if scheduler.observe is not None:
-                            scheduler.observe(feedback_2.name, alignR_velocity_feedback, None, me)
+                        if observe is not None:
+                            observe(feedback_2.name, alignR_velocity_feedback, None, me)
                     else:
                         alignR_velocity_feedback = feedback_2.taken(me)
                     # laws.csp:103
@@ -419,16 +420,16 @@ class JointControl(Routine):
                     me.process = alignR_process
                     alignR_velocity_law.blame(error)
                     raise
-                me.process = alignR_process
                 if alignR_stop:
                     break
+            me.process = alignR_process
 
         def _run_servo(me: Task) -> Steps:
             nonlocal homing_reference, homing_servo_arrived, homing_servo_pid_e1
             nonlocal homing_servo_pid_ud, homing_servo_pid_ui, homing_servo_profile_last
             nonlocal homing_servo_profile_moving, homing_stop
+            me.process = homing_servo_law
             while True:
-                me.process = homing_servo_law
                 try:
                     # laws.csp:56  inputs of homing.servo
                     if me.cancelled:
@@ -438,7 +439,7 @@ class JointControl(Routine):
                     if me.cancelled:
                         raise Cancelled
                     if not feedback_4.fresh:
-                        if feedback_4.begun and feedback_4.waiter is None:
+                        if feedback_4.steady and feedback_4.waiter is None:
                             me.waiting = feedback_4
                             feedback_4.waiter = me
                         else:
@@ -446,13 +447,13 @@ class JointControl(Routine):
                         yield
                         if me.cancelled:
                             raise Cancelled
-                    if feedback_4.begun and not feedback_4.overdue:
+                    if feedback_4.steady:
                         feedback_4.fresh = False
                         homing_servo_feedback = feedback_4.value
                         if feedback_4.inputs:
                             lower_bits(feedback_4.inputs)
-                        if scheduler.observe is not None:
-                            scheduler.observe(feedback_4.name, homing_servo_feedback, None, me)
+                        if observe is not None:
+                            observe(feedback_4.name, homing_servo_feedback, None, me)
                     else:
                         homing_servo_feedback = feedback_4.taken(me)
                     # laws.csp:71
@@ -576,9 +577,9 @@ class JointControl(Routine):
                     me.process = homing_process
                     homing_servo_law.blame(error)
                     raise
-                me.process = homing_process
                 if homing_stop:
                     break
+            me.process = homing_process
 
         self.start(me)
         try:
@@ -633,9 +634,17 @@ class JointControl(Routine):
                         if me.cancelled:
                             raise Cancelled
                         ready = motionControl_choice_guards.ready
-                        if not ready:
-                            scheduler.current = me
-                            ready = yield from motionControl_choice.wait(-1)
+                        while not ready:
+                            if motionControl_choice_guards.attend:
+                                scheduler.current = me
+                                ready = yield from motionControl_choice.wait(-1)
+                            else:
+                                motionControl_choice.park(me, -1)
+                                yield
+                                motionControl_choice_guards.waiting = None
+                                if me.cancelled:
+                                    raise Cancelled
+                                ready = motionControl_choice_guards.ready
                         k = (ready & -ready).bit_length() - 1
                         if k == 0:  # joystick_buttons ? status
                             scheduler.current = me
@@ -649,13 +658,13 @@ class JointControl(Routine):
                                 motionControl_servo_leftmax = leftmax.value
                                 motionControl_servo_rightmax = rightmax.value
                                 if feedback_3.fresh and joystick_axis.fresh:
-                                    if feedback_3.begun and not feedback_3.overdue:
+                                    if feedback_3.steady:
                                         feedback_3.fresh = False
                                         motionControl_servo_feedback = feedback_3.value
                                         if feedback_3.inputs:
                                             lower_bits(feedback_3.inputs)
-                                        if scheduler.observe is not None:
-                                            scheduler.observe(
+                                        if observe is not None:
+                                            observe(
                                                 feedback_3.name,
                                                 motionControl_servo_feedback,
                                                 None,
@@ -663,11 +672,11 @@ class JointControl(Routine):
                                             )
                                     else:
                                         motionControl_servo_feedback = feedback_3.taken(me)
-                                    if joystick_axis.begun and not joystick_axis.overdue:
+                                    if joystick_axis.steady:
                                         joystick_axis.fresh = False
                                         motionControl_servo_setpoint = joystick_axis.value
-                                        if scheduler.observe is not None:
-                                            scheduler.observe(
+                                        if observe is not None:
+                                            observe(
                                                 joystick_axis.name,
                                                 motionControl_servo_setpoint,
                                                 None,
