@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from operator import attrgetter
 from types import FunctionType, MappingProxyType
-from typing import Any, Final, TypeAlias, TypeVar, dataclass_transform, overload
+from typing import Any, Final, Generic, TypeAlias, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
 Constructor: TypeAlias = "Callable[..., None]"
@@ -21,6 +21,28 @@ EMPTY: Final[Mapping[Any, Any]] = MappingProxyType({})
 """The default of a field that is a mapping."""
 
 _PLACE = frozenset({"span"})
+
+
+class lazily(Generic[T]):  # noqa: N801 - a decorator, like ``property``
+    """A property of a record that is computed when it is first asked for: ``functools.cached_property`` without its
+    lock, which takes longer than joining a few texts.
+    """
+
+    def __init__(self, compute: Callable[[Any], T]) -> None:
+        self._compute = compute
+        self._name = compute.__name__
+        self.__doc__ = compute.__doc__
+
+    @overload
+    def __get__(self, item: None, cls: type) -> lazily[T]: ...
+    @overload
+    def __get__(self, item: object, cls: type) -> T: ...
+    def __get__(self, item: Any, cls: type) -> lazily[T] | T:
+        if item is None:
+            return self
+        value: T
+        value = item.__dict__[self._name] = self._compute(item)
+        return value
 
 
 class _Shared:

@@ -13,7 +13,7 @@ from typing import ClassVar
 import pytest
 
 import cspdiag
-from cspdiag.base.record import field_names, is_record, node, record, replaced
+from cspdiag.base.record import field_names, is_record, lazily, node, record, replaced
 
 
 @record
@@ -281,6 +281,27 @@ def test_fields_that_follow_from_others_are_completed_and_checked():
     assert replaced(Task(3), work=5) == Task(5, 3)
     with pytest.raises(ValueError, match="negative"):
         Task(-1)
+
+
+def test_what_is_computed_lazily_is_computed_once_and_not_copied_with_changes():
+    computed = []
+
+    @record
+    class Square:
+        side: int
+
+        @lazily
+        def area(self) -> int:
+            """The area."""
+            computed.append(self.side)
+            return self.side**2
+
+    square = Square(3)
+    assert computed == []
+    assert (square.area, square.area, computed) == (9, 9, [3])
+    assert square == Square(3)
+    assert replaced(square, side=4).area == 16
+    assert Square.area.__doc__ == "The area."
 
 
 def declared(pattern: str) -> set[tuple[str, str]]:

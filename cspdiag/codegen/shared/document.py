@@ -7,11 +7,10 @@ them decides nothing about columns, and only `render` knows how long a line may 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from itertools import islice
 from typing import TypeAlias, assert_never
 
-from cspdiag.base.record import record
+from cspdiag.base.record import lazily, record
 
 
 @record
@@ -26,7 +25,7 @@ class _Around:
 
     content: Document
 
-    @cached_property
+    @lazily
     def on_one_line(self) -> str:
         """The text on one line."""
         return flat(self.content)
@@ -57,7 +56,7 @@ class Fill:
     items: tuple[Document, ...]
     start: int = 0
 
-    @cached_property
+    @lazily
     def on_one_line(self) -> str:
         """The text on one line."""
         return " ".join([flat(item) for item in islice(self.items, self.start, None)])
@@ -69,7 +68,7 @@ class FirstThatFits:
 
     layouts: tuple[Document, ...]
 
-    @cached_property
+    @lazily
     def on_one_line(self) -> str:
         """The text on one line."""
         return flat(self.layouts[0])
@@ -195,6 +194,8 @@ class _Layout:
         return last
 
     def _all_fit(self, layout: Document, depth: int, column: int, following: int) -> bool:
+        if isinstance(layout, Flat):
+            return column + len(flat(layout)) + following <= self.width
         first, *rest = self.lines([(depth, True, layout)], column, following)
         lengths = [column + len(first), *map(len, rest)]
         lengths[-1] += following

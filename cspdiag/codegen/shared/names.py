@@ -17,6 +17,8 @@ def words(text: str) -> frozenset[str]:
 
 def as_one_word(text: str) -> str:
     """A name of the text, or several joined by dots and indexes, with letters, digits and underscores only."""
+    if text.isascii() and text.isidentifier():
+        return text
     return re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_") if re.search(r"\W", text, re.ASCII) else text
 
 

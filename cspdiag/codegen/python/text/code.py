@@ -6,10 +6,9 @@ The generators build these trees; ``layout`` breaks them over lines if a line is
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cached_property
 from typing import ClassVar, Literal, TypeAlias, cast
 
-from cspdiag.base.record import record
+from cspdiag.base.record import lazily, record
 from cspdiag.codegen.shared.parentheses import Operands, Parentheses
 from cspdiag.codegen.shared.trees import Closed, Counted, nodes
 
@@ -29,7 +28,7 @@ class _Node:
         """How tightly its operator binds."""
         return self._PRECEDENCE
 
-    @cached_property
+    @lazily
     def flat(self) -> str:
         """The text on one line."""
         return self._flat()
@@ -130,8 +129,13 @@ class Call(Primary):
     function: Code
     arguments: tuple[Argument, ...]
 
+    @lazily
+    def inside(self) -> str:
+        """The arguments on one line."""
+        return ", ".join([argument.flat for argument in self.arguments])
+
     def _flat(self) -> str:
-        return f"{self.function.flat}({', '.join([argument.flat for argument in self.arguments])})"
+        return f"{self.function.flat}({self.inside})"
 
 
 @record

@@ -54,6 +54,9 @@ def statement(before: str, code: Code, after: str = "", indent: str = "", commen
     lines = [] if comment is None else [f"{indent}# {comment}"]
     if len(line) <= LINE_LENGTH:
         return [*lines, line]
+    if isinstance(code, Call) and code.arguments and len(indent + INDENT + code.inside) <= LINE_LENGTH:
+        # As ``_at_brackets`` would break it, without a document for each argument.
+        return [*lines, f"{indent}{before}{code.function.flat}(", f"{indent}{INDENT}{code.inside}", f"{indent}){after}"]
     return [*lines, *render((before, _statement(code), after), LINE_LENGTH, len(indent))]
 
 
@@ -242,8 +245,7 @@ def _item(item: Code) -> Document:
 
 def _arguments(code: Call) -> Document:
     """The arguments together on one line, or each on its own line."""
-    together = Flat(", ".join(argument.flat for argument in code.arguments))
-    return FirstThatFits((together, joined(LINE, [(a.prefix, _inside(a.value), ",") for a in code.arguments])))
+    return FirstThatFits((Flat(code.inside), joined(LINE, [(a.prefix, _inside(a.value), ",") for a in code.arguments])))
 
 
 def bracketed(indent: str, before: str, items: Sequence[str], after: str) -> list[str]:
