@@ -173,7 +173,7 @@ static const csp_class consumer_class = {consumer_step, consumer_places, "Consum
 
 struct writer {
     csp_process process;
-    csp_any_channel *output;
+    csp_guarded_channel *output;
     int64_t value;
 };
 
@@ -191,7 +191,7 @@ static csp_party *writer_step(csp_party *party)
     switch (party->state) {
     case 0:
         for (;;) {
-            CSP_COMMUNICATE(csp_any_write, self->output, self->value, WRITES, failed)
+            CSP_COMMUNICATE(csp_guarded_write, self->output, self->value, WRITES, failed)
         }
     case FAILS:
     failed:
@@ -211,7 +211,8 @@ static csp_party *chooser_step(csp_party *party)
         for (self->sample = 0; self->sample < SAMPLES; self->sample++) {
             sample_begins();
             for (self->count = 0; self->count < COMMUNICATIONS; self->count++) {
-                CSP_AWAIT(csp_select(party, &self->choice), csp_select_again(party, &self->choice), READS, failed)
+                CSP_AWAIT(csp_select_inputs(party, &self->choice, self->choice.count),
+                          csp_select_again(party, &self->choice), READS, failed)
             }
             sample_ends((double)COMMUNICATIONS);
         }
@@ -270,7 +271,7 @@ struct program {
 
 static struct program top;
 static csp_channel channel[MOST];
-static csp_any_channel guarded[1000];
+static csp_guarded_channel guarded[1000];
 static csp_guard guards[1000];
 static csp_word words[2U * CSP_WORDS(1000U)];
 
@@ -379,10 +380,10 @@ static void build_alternative(uint16_t count)
     csp_process_init(&top.chooser.process, &chooser_class, 2U);
     csp_alternative_init(&top.chooser.choice, guards, count, (count > CSP_WORD_BITS) ? words : NULL, false);
     for (uint16_t index = 0U; index < count; index++) {
-        csp_any_init(&guarded[index], index);
+        csp_guarded_init(&guarded[index], index);
         csp_process_init(&top.writer[index].process, &writer_class, index + 3U);
         top.writer[index].output = &guarded[index];
-        csp_guard_read(&top.chooser.choice, index, &guarded[index].medium, &top.chooser.value, sizeof(int64_t));
+        csp_guard_read(&top.chooser.choice, index, &guarded[index].channel.medium, &top.chooser.value, sizeof(int64_t));
     }
     csp_enable_all(&top.chooser.choice);
     branch(0U, offsetof(struct program, writer), sizeof(struct writer), count);

@@ -12,6 +12,9 @@ static csp_progress read_from(csp_party *party, csp_medium *medium, int64_t *val
     switch (medium->kind) {
     case CSP_CHANNEL:
         return again ? CSP_DONE : csp_channel_read(party, (csp_channel *)(void *)medium, value, sizeof(*value));
+    case CSP_GUARDED:
+        return again ? CSP_DONE
+                     : csp_guarded_read(party, (csp_guarded_channel *)(void *)medium, value, sizeof(*value));
     case CSP_ANY:
         return again ? CSP_DONE : csp_any_read(party, (csp_any_channel *)(void *)medium, value, sizeof(*value));
     case CSP_BUFFER:
@@ -32,6 +35,8 @@ static csp_progress write_to(csp_party *party, csp_medium *medium, int64_t *valu
     switch (medium->kind) {
     case CSP_CHANNEL:
         return csp_channel_write(party, (csp_channel *)(void *)medium, value, sizeof(*value));
+    case CSP_GUARDED:
+        return csp_guarded_write(party, (csp_guarded_channel *)(void *)medium, value, sizeof(*value));
     case CSP_ANY:
         return csp_any_write(party, (csp_any_channel *)(void *)medium, value, sizeof(*value));
     case CSP_BUFFER:

@@ -25,7 +25,7 @@ bool csp_is_enabled(const csp_guard *guard)
     return (word & bit_of(guard->index)) != 0U;
 }
 
-static void wake(csp_alternative *alternative)
+static inline void wake(csp_alternative *alternative)
 {
     if (alternative->interrupt != NULL) {
         alternative->woken = true;
@@ -78,7 +78,7 @@ static void clear_time_outs(csp_alternative *alternative)
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
         if (guard->kind == (uint8_t)CSP_GUARD_AFTER) {
-            (void)csp_timer_stop(guard->timer);
+            (void)csp_timer_stop(guard->at.timer);
             csp_clear_bit(guard);
         }
     }
@@ -89,7 +89,7 @@ bool csp_time_outs_passed(csp_alternative *alternative)
     bool passed = false;
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
-        if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard) && (guard->duration <= 0)) {
+        if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard) && (guard->with.duration <= 0)) {
             csp_set_bit(guard);
             passed = true;
         }
@@ -97,7 +97,29 @@ bool csp_time_outs_passed(csp_alternative *alternative)
     return passed;
 }
 
-void csp_begin_waiting(csp_party *party, csp_alternative *alternative)
+static void begin_time_outs(csp_alternative *alternative)
+{
+    for (uint32_t index = 0U; index < alternative->count; index++) {
+        csp_guard *const guard = &alternative->guard[index];
+        if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard)) {
+            guard->at.timer->party = NULL;
+            guard->at.timer->guard = guard;
+            csp_timer_begin(guard->at.timer, csp_after(guard->with.duration));
+        }
+    }
+}
+
+static void enroll_all(csp_alternative *alternative)
+{
+    for (uint32_t index = 0U; index < alternative->count; index++) {
+        csp_guard *const guard = &alternative->guard[index];
+        if (guard->attends && csp_is_enabled(guard) && !guard->is_enrolled) {
+            csp_enroll(guard);
+        }
+    }
+}
+
+static inline void begin_waiting(csp_party *party, csp_alternative *alternative)
 {
     alternative->process = party;
     alternative->began = ++csp.begun;
@@ -105,24 +127,17 @@ void csp_begin_waiting(csp_party *party, csp_alternative *alternative)
     alternative->solved = false;
     alternative->woken = false;
     if (alternative->time_outs > 0U) {
-        for (uint32_t index = 0U; index < alternative->count; index++) {
-            csp_guard *const guard = &alternative->guard[index];
-            if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard)) {
-                guard->timer->party = NULL;
-                guard->timer->guard = guard;
-                csp_timer_begin(guard->timer, csp_after(guard->duration));
-            }
-        }
+        begin_time_outs(alternative);
     }
     alternative->armed = true;
     if (alternative->attending > 0U) {
-        for (uint32_t index = 0U; index < alternative->count; index++) {
-            csp_guard *const guard = &alternative->guard[index];
-            if (guard->attends && csp_is_enabled(guard) && !guard->is_enrolled) {
-                csp_enroll(guard);
-            }
-        }
+        enroll_all(alternative);
     }
+}
+
+void csp_begin_waiting(csp_party *party, csp_alternative *alternative)
+{
+    begin_waiting(party, alternative);
 }
 
 void csp_end_waiting(csp_alternative *alternative)
@@ -222,6 +237,14 @@ static csp_progress communicate(csp_party *party, csp_alternative *alternative, 
     }
 }
 
+csp_progress csp_communicate(csp_party *party, csp_alternative *alternative, csp_guard *guard)
+{
+    if ((alternative->quick != 0U) && (guard->kind == (uint8_t)CSP_GUARD_INPUT)) {
+        return csp_take(party, guard);
+    }
+    return communicate(party, alternative, guard);
+}
+
 /* The next fair choice starts after the guard that was chosen last. */
 static inline void remember(csp_alternative *alternative, uint32_t index)
 {
@@ -237,7 +260,7 @@ static inline void remember(csp_alternative *alternative, uint32_t index)
     }
 }
 
-static uint32_t first_choice(const csp_alternative *alternative)
+static inline uint32_t first_choice(const csp_alternative *alternative)
 {
     if (alternative->more_ready == NULL) {
         const csp_word ready = alternative->ready & alternative->enabled;
@@ -250,15 +273,10 @@ static uint32_t first_choice(const csp_alternative *alternative)
     return (index < alternative->count) ? index : first_of_words(alternative, 0U, ~(csp_word)0U);
 }
 
-csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t index)
+static inline csp_progress choose(csp_party *party, csp_alternative *alternative, uint32_t index)
 {
-    csp_guard *const guard = &alternative->guard[index];
     remember(alternative, index);
-    if (guard->direct && (alternative->time_outs == 0U)) {
-        csp_any_from_writer(party, (csp_any_channel *)(void *)guard->medium, guard->slot, guard->size);
-        return CSP_DONE;
-    }
-    return communicate(party, alternative, guard);
+    return csp_communicate(party, alternative, &alternative->guard[index]);
 }
 
 csp_progress csp_select_any(csp_party *party, csp_alternative *alternative)
@@ -271,10 +289,10 @@ csp_progress csp_select_any(csp_party *party, csp_alternative *alternative)
     }
     const uint32_t index = first_choice(alternative);
     if (index == alternative->count) {
-        csp_begin_waiting(party, alternative);
+        begin_waiting(party, alternative);
         return CSP_WAITS;
     }
-    return csp_choose(party, alternative, index);
+    return choose(party, alternative, index);
 }
 
 csp_progress csp_select_again(csp_party *party, csp_alternative *alternative)
@@ -295,11 +313,16 @@ csp_progress csp_select_again(csp_party *party, csp_alternative *alternative)
     if (csp_is_cancelled(party)) {
         return csp_refuse(party);
     }
+    if ((csp_candidates(alternative) != 0U) && !alternative->enrolls) {
+        alternative->waits = false;
+        alternative->armed = false;
+        return csp_select(party, alternative);
+    }
     const uint32_t index = first_choice(alternative);
     if (index == alternative->count) {
         alternative->armed = true;
         return CSP_WAITS;
     }
     csp_end_waiting(alternative);
-    return csp_choose(party, alternative, index);
+    return choose(party, alternative, index);
 }

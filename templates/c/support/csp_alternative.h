@@ -49,19 +49,25 @@ struct csp_guard {
     csp_word *word; /* the word of the alternative with the bit of this guard */
     csp_word bit;
     csp_medium *medium;
-    void *slot;
+    union {
+        void *slot;       /* of a communication */
+        csp_timer *timer; /* of a time-out */
+    } at;
     uint32_t size; /* of the value */
     uint16_t index;
-    uint8_t kind;  /* csp_guard_kind */
-    bool direct;   /* reads on a rendezvous that no other guard watches: while it is ready, a writer waits there */
-    bool attends;  /* the channel has to be notified when the alternative waits */
-    bool is_enrolled;
-    csp_guard *enrolled; /* the next guard that waits there, if alternatives are on both sides */
-    csp_timer *timer;
-    int64_t duration; /* of a time-out */
+    uint8_t kind;         /* csp_guard_kind */
+    bool direct : 1;      /* reads on a csp_guarded_channel that no other guard watches: while it is ready, the writer waits there */
+    bool attends : 1;     /* the channel has to be notified when the alternative waits */
+    bool is_enrolled : 1;
+    union {
+        csp_guard *enrolled; /* of a communication: the next guard that waits there, if alternatives are on both sides */
+        int64_t duration;    /* of a time-out */
+    } with;
 };
 
-/* The words of an alternative of more than CSP_WORD_BITS guards, CSP_WORDS(count) each. */
+/* Up to this number of guards an alternative has no words of its own, on any machine. */
+#define CSP_GUARDS_OF_WORD 32U
+/* The words of an alternative of more guards, CSP_WORDS(count) each. */
 #define CSP_WORDS(count) (((count) + CSP_WORD_BITS - 1U) / CSP_WORD_BITS)
 
 struct csp_alternative {
@@ -144,7 +150,7 @@ static inline void csp_lower_bits(csp_guard *watchers)
 /* `words` has 2 * CSP_WORDS(count) words, or is NULL for up to CSP_WORD_BITS guards. */
 void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16_t count, csp_word *words,
                           bool prioritized);
-/* One call for every guard. `medium` is that of a csp_any_channel, csp_buffer, csp_broadcast or of a reading end. */
+/* One call for every guard. `medium` is that of a csp_guarded_channel, csp_any_channel, csp_buffer, csp_broadcast or of a reading end. */
 void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size);
 void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *medium);
 void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size);
@@ -160,12 +166,14 @@ void csp_enable_none(csp_alternative *alternative);
 void csp_enable(csp_alternative *alternative, uint16_t index);
 static inline void csp_delay(csp_alternative *alternative, uint16_t index, int64_t duration)
 {
-    alternative->guard[index].duration = duration;
+    alternative->guard[index].with.duration = duration;
 }
 
 /* CSP_AWAIT(csp_select(party, a), csp_select_again(party, a), ...): afterwards `a->chosen` is the index of the guard, and its communication has
  * taken place. */
 static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative);
+/* The same where each of the `count` guards reads and none has a condition, and the choice is fair. */
+static inline csp_progress csp_select_inputs(csp_party *party, csp_alternative *alternative, uint32_t count);
 csp_progress csp_select_again(csp_party *party, csp_alternative *alternative);
 
 /* ---- Interrupt ---- */

@@ -34,7 +34,7 @@ void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *me
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_INPUT;
     guard->medium = medium;
-    guard->slot = value;
+    guard->at.slot = value;
     guard->size = (uint32_t)size;
     csp_watch_input(guard);
 }
@@ -52,7 +52,7 @@ void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *m
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_OUTPUT;
     guard->medium = medium;
-    guard->slot = value;
+    guard->at.slot = value;
     guard->size = (uint32_t)size;
     csp_watch_output(guard);
 }
@@ -63,7 +63,7 @@ void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *ti
     guard->kind = (uint8_t)CSP_GUARD_AFTER;
     guard->next = NULL;
     guard->medium = NULL;
-    guard->timer = timer;
+    guard->at.timer = timer;
     alternative->time_outs++;
     alternative->quick = 0U;
 }

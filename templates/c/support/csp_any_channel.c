@@ -13,6 +13,12 @@ void csp_channel_init(csp_channel *channel, uint32_t number)
     channel->waiting = NULL;
 }
 
+void csp_guarded_init(csp_guarded_channel *channel, uint32_t number)
+{
+    channel->channel.medium.number = number;
+    channel->channel.medium.kind = (uint8_t)CSP_GUARDED;
+}
+
 void csp_any_init(csp_any_channel *channel, uint32_t number)
 {
     channel->medium.number = number;
@@ -36,7 +42,7 @@ csp_progress csp_any_take(csp_party *party, csp_any_channel *channel, void *valu
         return CSP_DONE;
     }
     csp_guard *const writing = channel->writing;
-    csp_copy(value, writing->slot, size);
+    csp_copy(value, writing->at.slot, size);
     csp_observe(channel->medium.number, value, writing->alternative->process->number, party->number);
     csp_resolve(writing);
     return CSP_DONE;
@@ -48,10 +54,10 @@ void csp_any_settle(csp_any_channel *channel)
         csp_guard *const writing = channel->writing;
         if (channel->readers.first != NULL) {
             csp_resolve(writing);
-            csp_any_to_reader(writing->alternative->process, channel, writing->slot, writing->size);
+            csp_any_to_reader(writing->alternative->process, channel, writing->at.slot, writing->size);
         } else {
             csp_party *const pledge = csp_pledge(writing);
-            (void)csp_any_write(pledge, channel, writing->slot, writing->size);
+            (void)csp_any_write(pledge, channel, writing->at.slot, writing->size);
         }
     }
 }
@@ -67,7 +73,7 @@ csp_progress csp_any_choose_output(csp_party *party, csp_any_channel *channel, v
         csp_resolve(reading);
         return csp_any_write(party, channel, value, size);
     }
-    csp_copy(reading->slot, value, size);
+    csp_copy(reading->at.slot, value, size);
     csp_observe(channel->medium.number, value, party->number, reading->alternative->process->number);
     csp_resolve(reading);
     return CSP_DONE;

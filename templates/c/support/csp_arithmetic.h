@@ -105,12 +105,22 @@ static inline bool csp_quotient_fits(int64_t dividend, int64_t divisor)
 
 static inline int64_t csp_add(int64_t left, int64_t right)
 {
+#if defined(__GNUC__)
+    int64_t sum = 0;
+    return __builtin_add_overflow(left, right, &sum) ? csp_add_fails(left, right) : sum;
+#else
     return csp_sum_fits(left, right) ? left + right : csp_add_fails(left, right);
+#endif
 }
 
 static inline int64_t csp_subtract(int64_t left, int64_t right)
 {
+#if defined(__GNUC__)
+    int64_t difference = 0;
+    return __builtin_sub_overflow(left, right, &difference) ? csp_subtract_fails(left, right) : difference;
+#else
     return csp_difference_fits(left, right) ? left - right : csp_subtract_fails(left, right);
+#endif
 }
 
 int64_t csp_multiply(int64_t left, int64_t right);

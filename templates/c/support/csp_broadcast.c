@@ -105,7 +105,7 @@ csp_progress csp_broadcast_choose_output(csp_party *party, csp_broadcast *channe
         csp_guard *const guard = end->waiting;
         if (guard != NULL) {
             if (guard->kind != (uint8_t)CSP_GUARD_READY) {
-                csp_copy(guard->slot, value, size);
+                csp_copy(guard->at.slot, value, size);
                 end->resolved = true;
                 csp_observe(channel->medium.number, value, party->number, guard->alternative->process->number);
             }

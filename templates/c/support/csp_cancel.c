@@ -12,6 +12,15 @@ bool csp_withdraw(csp_medium *medium, csp_party *party)
         }
         return waited;
     }
+    case CSP_GUARDED: {
+        csp_guarded_channel *const channel = (csp_guarded_channel *)(void *)medium;
+        const bool waited = channel->channel.waiting == party;
+        if (waited) {
+            channel->channel.waiting = NULL;
+            csp_lower_bits(channel->inputs);
+        }
+        return waited;
+    }
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)medium;
         const bool waited = csp_remove(&channel->readers, party) || csp_remove(&channel->writers, party);
@@ -68,6 +77,8 @@ bool csp_is_registered(const csp_medium *medium, const csp_party *party)
     switch (medium->kind) {
     case CSP_CHANNEL:
         return ((const csp_channel *)(const void *)medium)->waiting == party;
+    case CSP_GUARDED:
+        return ((const csp_guarded_channel *)(const void *)medium)->channel.waiting == party;
     case CSP_ANY: {
         const csp_any_channel *const channel = (const csp_any_channel *)(const void *)medium;
         return csp_contains(&channel->readers, party) || csp_contains(&channel->writers, party);

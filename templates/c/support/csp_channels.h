@@ -9,7 +9,38 @@
  * csp_is_cancelled (the macro CSP_COMMUNICATE does), and after CSP_WAITS the operation is complete when it runs again. `value` is the variable
  * to read into or to write from; it must exist as long as the process waits. */
 
-/* ---- Rendezvous: `any`, and `sync` channels with guards ---- */
+/* ---- Rendezvous: `sync` channels with guards of the reader only ---- */
+
+/* As it has one writer and one reader, at most one of them waits, and no alternative ever decides for another. */
+typedef struct csp_guarded_channel {
+    csp_channel channel;
+    csp_guard *inputs; /* guards that watch for the writer */
+    csp_guard *sole;   /* the only one of them; NULL: there are several, or none */
+} csp_guarded_channel;
+
+static inline csp_progress csp_guarded_read(csp_party *party, csp_guarded_channel *channel, void *value, size_t size)
+{
+    const csp_progress progress = csp_channel_read(party, &channel->channel, value, size);
+    if (progress == CSP_DONE) {
+        csp_lower_bits(channel->inputs);
+    }
+    return progress;
+}
+
+static inline csp_progress csp_guarded_write(csp_party *party, csp_guarded_channel *channel, void *value, size_t size)
+{
+    const csp_progress progress = csp_channel_write(party, &channel->channel, value, size);
+    if (progress == CSP_WAITS) {
+        if ((channel->sole == NULL) || channel->sole->alternative->armed) {
+            csp_raise_all(channel->inputs);
+        } else {
+            csp_set_bit(channel->sole);
+        }
+    }
+    return progress;
+}
+
+/* ---- Rendezvous: `any`, and `sync` channels with guards of the writer ---- */
 
 typedef struct csp_any_channel {
     csp_medium medium;
@@ -80,37 +111,60 @@ static inline csp_progress csp_any_write(csp_party *party, csp_any_channel *chan
 
 /* The general case of csp_select, and the communication of a guard that is ready. */
 csp_progress csp_select_any(csp_party *party, csp_alternative *alternative);
-csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t index);
+csp_progress csp_communicate(csp_party *party, csp_alternative *alternative, csp_guard *guard);
 
-/* The common case inline: a guard of the present word reads from a waiting writer. */
-static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative)
+/* The ready guards of the present word from which a selection without time-outs may choose. */
+static inline csp_word csp_candidates(const csp_alternative *alternative)
 {
     const csp_word ready = *alternative->present_ready & *alternative->present_enabled & alternative->quick;
     const csp_word after = ready & alternative->after;
-    const csp_word candidates = (after != 0U) ? after : (ready & alternative->around);
+    return (after != 0U) ? after : (ready & alternative->around);
+}
+
+static inline void csp_remember(csp_alternative *alternative, const csp_guard *chosen, csp_word after)
+{
+    alternative->chosen = chosen->index;
+    alternative->after = after;
+}
+
+/* The common case inline: a guard of a word reads on a channel of its own. `guards` has the guards of the word, `several` says whether there are more words. */
+static inline csp_progress csp_select_in(csp_party *party, csp_alternative *alternative, csp_word candidates,
+                                         csp_word *word, csp_guard *guards, csp_word fair, bool several)
+{
     if ((candidates == 0U) || csp_is_cancelled(party)) {
         return csp_select_any(party, alternative);
     }
-    const csp_word bit = candidates & (csp_word)(0U - candidates);
-    csp_guard *const guard = &alternative->present_guard[csp_lowest_bit(bit)];
+    csp_guard *const guard = &guards[csp_lowest_bit(candidates)];
+    const csp_word up_to_chosen = candidates ^ (candidates - 1U);
     if (!guard->direct) {
-        return csp_choose(party, alternative, guard->index);
+        csp_remember(alternative, guard, ~up_to_chosen & fair);
+        return csp_communicate(party, alternative, guard);
     }
-    csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
-    csp_party *const writer = csp_leave(&channel->writers);
-    alternative->after = (csp_word)(0U - (bit << 1U)) & alternative->fair;
-    alternative->chosen = guard->index;
-    if (channel->writers.first == NULL) {
-        const csp_word others = *alternative->present_ready & ~bit;
-        *alternative->present_ready = others;
-        if ((others == 0U) && (alternative->around == 0U)) {
-            alternative->ready &= ~csp_bit_of_word(guard);
-        }
+    const csp_word others = *word ^ (up_to_chosen & candidates);
+    *word = others;
+    if (several && (others == 0U)) {
+        alternative->ready &= ~csp_bit_of_word(guard);
     }
-    csp_copy(guard->slot, writer->slot, guard->size);
-    csp_ready(writer);
-    csp_observe(channel->medium.number, guard->slot, writer->number, party->number);
+    csp_remember(alternative, guard, ~up_to_chosen & fair);
+    csp_channel_take(party, &((csp_guarded_channel *)(void *)guard->medium)->channel, guard->at.slot, guard->size);
     return CSP_DONE;
+}
+
+static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative)
+{
+    return csp_select_in(party, alternative, csp_candidates(alternative), alternative->present_ready,
+                         alternative->present_guard, alternative->fair, alternative->around == 0U);
+}
+
+static inline csp_progress csp_select_inputs(csp_party *party, csp_alternative *alternative, uint32_t count)
+{
+    if (count > CSP_GUARDS_OF_WORD) {
+        return csp_select_in(party, alternative, *alternative->present_ready & alternative->after,
+                             alternative->present_ready, alternative->present_guard, ~(csp_word)0U, true);
+    }
+    const csp_word after = alternative->ready & alternative->after;
+    return csp_select_in(party, alternative, (after != 0U) ? after : alternative->ready, &alternative->ready,
+                         alternative->guard, ~(csp_word)0U, false);
 }
 
 /* ---- Memory ---- */
@@ -159,6 +213,7 @@ csp_progress csp_broadcast_write(csp_party *party, csp_broadcast *channel, void 
 /* ---- Before the program starts ---- */
 
 void csp_channel_init(csp_channel *channel, uint32_t number);
+void csp_guarded_init(csp_guarded_channel *channel, uint32_t number);
 void csp_any_init(csp_any_channel *channel, uint32_t number);
 void csp_buffer_init(csp_buffer *buffer, uint32_t number, void *values, uint32_t capacity, bool overwrites);
 void csp_broadcast_init(csp_broadcast *channel, uint32_t number);

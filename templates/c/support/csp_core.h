@@ -223,9 +223,12 @@ typedef struct csp_medium {
     uint8_t kind;    /* csp_medium_kind */
 } csp_medium;
 
+#define CSP_MEDIUM(channel) ((csp_medium *)(void *)(channel))
+
 typedef enum csp_medium_kind {
     CSP_CHANNEL,       /* csp_channel: sync, without guards anywhere */
-    CSP_ANY,           /* csp_any_channel: any, and sync with guards */
+    CSP_GUARDED,       /* csp_guarded_channel: sync, with guards of its reader only */
+    CSP_ANY,           /* csp_any_channel: any, and sync with guards of its writer */
     CSP_BROADCAST,     /* csp_broadcast */
     CSP_BROADCAST_END, /* csp_broadcast_end */
     CSP_BUFFER,        /* csp_buffer: buffer and overwrite */
@@ -255,18 +258,24 @@ static inline csp_progress csp_channel_write(csp_party *party, csp_channel *chan
     return CSP_DONE;
 }
 
-static inline csp_progress csp_channel_read(csp_party *party, csp_channel *channel, void *value, size_t size)
+/* Takes the value of the writer that waits there. */
+static inline void csp_channel_take(const csp_party *party, csp_channel *channel, void *value, size_t size)
 {
     csp_party *const writer = channel->waiting;
-    if (writer == NULL) {
+    channel->waiting = NULL;
+    csp_copy(value, writer->slot, size);
+    csp_ready(writer);
+    csp_observe(channel->medium.number, value, writer->number, party->number);
+}
+
+static inline csp_progress csp_channel_read(csp_party *party, csp_channel *channel, void *value, size_t size)
+{
+    if (channel->waiting == NULL) {
         channel->waiting = party;
         party->slot = value;
         return CSP_WAITS;
     }
-    channel->waiting = NULL;
-    (void)memcpy(value, writer->slot, size);
-    csp_ready(writer);
-    csp_observe(channel->medium.number, value, writer->number, party->number);
+    csp_channel_take(party, channel, value, size);
     return CSP_DONE;
 }
 

@@ -32,9 +32,9 @@ static void enroll_at(csp_guard **enrolled, csp_guard *guard)
 {
     csp_guard **place = enrolled;
     while ((*place != NULL) && began_before(*place, guard)) {
-        place = &(*place)->enrolled;
+        place = &(*place)->with.enrolled;
     }
-    guard->enrolled = *place;
+    guard->with.enrolled = *place;
     *place = guard;
 }
 
@@ -42,10 +42,10 @@ static void dismiss_from(csp_guard **enrolled, const csp_guard *guard)
 {
     csp_guard **found = enrolled;
     while ((*found != NULL) && (*found != guard)) {
-        found = &(*found)->enrolled;
+        found = &(*found)->with.enrolled;
     }
     if (*found != NULL) {
-        *found = guard->enrolled;
+        *found = guard->with.enrolled;
     }
 }
 
@@ -70,21 +70,31 @@ void csp_attend(csp_guard *watchers)
     }
 }
 
-static void find_direct(csp_any_channel *channel)
+/* Finds out anew which guard of a channel is the only one. */
+static void find_sole(csp_guarded_channel *channel)
 {
-    for (csp_guard *guard = channel->inputs; guard != NULL; guard = guard->next) {
-        guard->direct = (guard == channel->inputs) && (guard->next == NULL) && (channel->outputs == NULL) &&
-                        (guard->kind == (uint8_t)CSP_GUARD_INPUT);
+    csp_guard *const first = channel->inputs;
+    channel->sole = ((first != NULL) && (first->next == NULL)) ? first : NULL;
+    for (csp_guard *guard = first; guard != NULL; guard = guard->next) {
+        guard->direct = (guard == channel->sole) && (guard->kind == (uint8_t)CSP_GUARD_INPUT);
     }
 }
 
 void csp_watch_input(csp_guard *guard)
 {
     switch (guard->medium->kind) {
+    case CSP_GUARDED: {
+        csp_guarded_channel *const channel = (csp_guarded_channel *)(void *)guard->medium;
+        csp_watch(&channel->inputs, guard);
+        find_sole(channel);
+        if (channel->channel.waiting != NULL) {
+            csp_set_bit(guard);
+        }
+        break;
+    }
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_watch(&channel->inputs, guard);
-        find_direct(channel);
         if ((channel->writers.first != NULL) || (channel->writing != NULL)) {
             csp_set_bit(guard);
         }
@@ -143,7 +153,6 @@ void csp_watch_output(csp_guard *guard)
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_watch(&channel->outputs, guard);
-        find_direct(channel);
         if ((channel->readers.first != NULL) || (channel->reading != NULL)) {
             csp_set_bit(guard);
         }
@@ -183,12 +192,17 @@ void csp_unwatch_guard(csp_guard *guard)
         return;
     }
     switch (guard->medium->kind) {
+    case CSP_GUARDED: {
+        csp_guarded_channel *const channel = (csp_guarded_channel *)(void *)guard->medium;
+        csp_unwatch(&channel->inputs, guard);
+        guard->direct = false;
+        find_sole(channel);
+        break;
+    }
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_unwatch(&channel->inputs, guard);
         csp_unwatch(&channel->outputs, guard);
-        guard->direct = false;
-        find_direct(channel);
         break;
     }
     case CSP_BUFFER: {
@@ -253,18 +267,20 @@ void csp_dismiss(csp_guard *guard)
 csp_progress csp_take(csp_party *party, csp_guard *guard)
 {
     switch (guard->medium->kind) {
+    case CSP_GUARDED:
+        return csp_guarded_read(party, (csp_guarded_channel *)(void *)guard->medium, guard->at.slot, guard->size);
     case CSP_ANY:
-        return csp_any_take(party, (csp_any_channel *)(void *)guard->medium, guard->slot, guard->size);
+        return csp_any_take(party, (csp_any_channel *)(void *)guard->medium, guard->at.slot, guard->size);
     case CSP_BUFFER:
-        csp_buffer_take(party, (csp_buffer *)(void *)guard->medium, guard->slot, guard->size);
+        csp_buffer_take(party, (csp_buffer *)(void *)guard->medium, guard->at.slot, guard->size);
         return CSP_DONE;
     case CSP_BROADCAST_END:
-        csp_broadcast_taken(party, (csp_broadcast_end *)(void *)guard->medium, guard->slot, guard->size);
+        csp_broadcast_taken(party, (csp_broadcast_end *)(void *)guard->medium, guard->at.slot, guard->size);
         return CSP_DONE;
     case CSP_SAMPLED_END:
-        return csp_sampled_take(party, (csp_sampled_end *)(void *)guard->medium, guard->slot, guard->size);
+        return csp_sampled_take(party, (csp_sampled_end *)(void *)guard->medium, guard->at.slot, guard->size);
     default:
-        csp_event_take(party, (csp_event_end *)(void *)guard->medium, guard->slot, guard->size);
+        csp_event_take(party, (csp_event_end *)(void *)guard->medium, guard->at.slot, guard->size);
         return CSP_DONE;
     }
 }
@@ -280,10 +296,10 @@ csp_progress csp_choose_output(csp_party *party, csp_guard *guard)
 {
     switch (guard->medium->kind) {
     case CSP_ANY:
-        return csp_any_choose_output(party, (csp_any_channel *)(void *)guard->medium, guard->slot, guard->size);
+        return csp_any_choose_output(party, (csp_any_channel *)(void *)guard->medium, guard->at.slot, guard->size);
     case CSP_BUFFER:
-        return csp_buffer_write(party, (csp_buffer *)(void *)guard->medium, guard->slot, guard->size);
+        return csp_buffer_write(party, (csp_buffer *)(void *)guard->medium, guard->at.slot, guard->size);
     default:
-        return csp_broadcast_choose_output(party, (csp_broadcast *)(void *)guard->medium, guard->slot, guard->size);
+        return csp_broadcast_choose_output(party, (csp_broadcast *)(void *)guard->medium, guard->at.slot, guard->size);
     }
 }

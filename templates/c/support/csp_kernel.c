@@ -20,14 +20,19 @@ static inline csp_party *next_party(void)
 /* The number of processes that may follow each other in one step before requests to stop are checked. */
 enum { LONGEST_STEP = 65536 };
 
-/* Runs a party, and the parties that follow it, until one has to wait. */
-static void run_step(csp_party *first)
+static inline csp_party *run(csp_party *party)
+{
+    CSP_NOTE(csp.current, party);
+    csp_measure_party(party->number);
+    return party->step(party);
+}
+
+/* Runs the parties that follow one in the same step, until one has to wait. */
+static void run_on(csp_party *first)
 {
     csp_party *party = first;
-    for (uint32_t count = 0U; (party != NULL) && (count < (uint32_t)LONGEST_STEP); count++) {
-        CSP_NOTE(csp.current, party);
-        csp_measure_party(party->number);
-        party = party->step(party);
+    for (uint32_t count = 1U; (party != NULL) && (count < (uint32_t)LONGEST_STEP); count++) {
+        party = run(party);
     }
     if (party != NULL) {
         csp_enter_front(&csp.ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
@@ -36,15 +41,17 @@ static void run_step(csp_party *first)
 
 bool csp_run_ready(uint32_t most)
 {
-    csp_party *party = NULL;
     for (uint32_t steps = 0U; steps < most; steps++) {
-        party = next_party();
+        csp_party *const party = next_party();
         if (party == NULL) {
             CSP_NOTE(csp.current, NULL);
             return false;
         }
         csp_measure_begin();
-        run_step(party);
+        csp_party *const following = run(party);
+        if (following != NULL) {
+            run_on(following);
+        }
         csp_measure_end();
     }
     CSP_NOTE(csp.current, NULL);

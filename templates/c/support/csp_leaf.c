@@ -72,6 +72,8 @@ csp_progress csp_in_read(csp_party *party, csp_in *in, void *value, size_t size)
     switch (in->connection.kind) {
     case CSP_END_CHANNEL:
         return csp_channel_read(party, (csp_channel *)at, value, size);
+    case CSP_END_GUARDED:
+        return csp_guarded_read(party, (csp_guarded_channel *)at, value, size);
     case CSP_END_ANY:
         return csp_any_read(party, (csp_any_channel *)at, value, size);
     case CSP_END_BUFFER:
@@ -115,6 +117,8 @@ csp_progress csp_out_write(csp_party *party, csp_out *out, void *value, size_t s
     switch (out->connection.kind) {
     case CSP_END_CHANNEL:
         return csp_channel_write(party, (csp_channel *)at, value, size);
+    case CSP_END_GUARDED:
+        return csp_guarded_write(party, (csp_guarded_channel *)at, value, size);
     case CSP_END_ANY:
         return csp_any_write(party, (csp_any_channel *)at, value, size);
     case CSP_END_BUFFER:

@@ -62,6 +62,7 @@
 typedef enum csp_end_kind {
     CSP_END_VARIABLE, /* a variable or a constant; NULL: discards what is written */
     CSP_END_CHANNEL,
+    CSP_END_GUARDED,
     CSP_END_ANY,
     CSP_END_BROADCAST,
     CSP_END_BUFFER,

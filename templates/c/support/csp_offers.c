@@ -164,6 +164,9 @@ bool csp_offer_meets(csp_offers *offers, const csp_medium *medium)
     case CSP_CHANNEL:
         meets = ((const csp_channel *)(const void *)medium)->waiting != NULL;
         break;
+    case CSP_GUARDED:
+        meets = ((const csp_guarded_channel *)(const void *)medium)->channel.waiting != NULL;
+        break;
     case CSP_ANY: {
         const csp_any_channel *const channel = (const csp_any_channel *)(const void *)medium;
         meets = (channel->readers.first != NULL) || (channel->writers.first != NULL);

@@ -34,8 +34,8 @@ csp_progress csp_offers_begin(csp_party *party, csp_offers *offers);
 /* Adds a communication; `operation` is the read or write function of the channel or end, PLACE is that of the CSP_AWAIT that follows:
  * CSP_AWAIT(csp_offers_wait(offers), csp_offers_again(party, offers), PLACE, FAILED) */
 #define CSP_OFFER(offers, operation, channel, variable, PLACE, FAILED)                                                 \
-    if (csp_offer_made((offers), &(channel)->medium, sizeof(variable),                                                 \
-                       csp_offer_refused((offers), &(channel)->medium)                                                 \
+    if (csp_offer_made((offers), CSP_MEDIUM(channel), sizeof(variable),                                                \
+                       csp_offer_refused((offers), CSP_MEDIUM(channel))                                                \
                            ? CSP_FAILS                                                                                 \
                            : operation(csp_offer_next(offers), (channel), &(variable), sizeof(variable))) ==           \
         CSP_FAILS) {                                                                                                   \

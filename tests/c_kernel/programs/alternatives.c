@@ -2,7 +2,8 @@
 #include "script.h"
 
 static script scripts[6];
-static csp_any_channel left, right, meeting;
+static csp_guarded_channel left, right;
+static csp_any_channel meeting;
 static csp_alternative fair, prioritized, timed, writing, reading;
 static csp_guard fair_guards[2], prioritized_guards[2], timed_guards[3], writing_guards[2], reading_guards[2];
 static csp_timer timers[2];
@@ -16,11 +17,11 @@ static const script_list top = {
     {.action = PARALLEL, .branches = alternating, .branch_runs = 1U},
 };
 static const script_list left_writer = {
-    {.action = WRITE, .medium = &left.medium, .value = 1},
+    {.action = WRITE, .medium = &left.channel.medium, .value = 1},
     {.action = REPEAT, .jump = 0U, .value = 6},
 };
 static const script_list right_writer = {
-    {.action = WRITE, .medium = &right.medium, .value = 2},
+    {.action = WRITE, .medium = &right.channel.medium, .value = 2},
     {.action = REPEAT, .jump = 0U, .value = 6},
 };
 static const script_list chooser = {
@@ -56,20 +57,20 @@ int main(void)
     script_init(&scripts[3], 4U, "Top.chooser", chooser);
     script_init(&scripts[4], 5U, "Top.writing", meets_writing);
     script_init(&scripts[5], 6U, "Top.reading", meets_reading);
-    csp_any_init(&left, 0U);
-    csp_any_init(&right, 1U);
+    csp_guarded_init(&left, 0U);
+    csp_guarded_init(&right, 1U);
     csp_any_init(&meeting, 2U);
     csp_alternative_init(&fair, fair_guards, 2U, NULL, false);
-    csp_guard_read(&fair, 0U, &left.medium, &scripts[3].value, sizeof(int64_t));
-    csp_guard_read(&fair, 1U, &right.medium, &scripts[3].value, sizeof(int64_t));
+    csp_guard_read(&fair, 0U, &left.channel.medium, &scripts[3].value, sizeof(int64_t));
+    csp_guard_read(&fair, 1U, &right.channel.medium, &scripts[3].value, sizeof(int64_t));
     csp_enable_all(&fair);
     csp_alternative_init(&prioritized, prioritized_guards, 2U, NULL, true);
-    csp_guard_read(&prioritized, 0U, &left.medium, &scripts[3].value, sizeof(int64_t));
-    csp_guard_read(&prioritized, 1U, &right.medium, &scripts[3].value, sizeof(int64_t));
+    csp_guard_read(&prioritized, 0U, &left.channel.medium, &scripts[3].value, sizeof(int64_t));
+    csp_guard_read(&prioritized, 1U, &right.channel.medium, &scripts[3].value, sizeof(int64_t));
     csp_enable_all(&prioritized);
     csp_alternative_init(&timed, timed_guards, 3U, NULL, true);
     csp_guard_skip(&timed, 0U);
-    csp_guard_read(&timed, 1U, &left.medium, &scripts[3].value, sizeof(int64_t));
+    csp_guard_read(&timed, 1U, &left.channel.medium, &scripts[3].value, sizeof(int64_t));
     csp_guard_after(&timed, 2U, &timers[0]);
     csp_enable_none(&timed);
     csp_enable(&timed, 1U);
@@ -82,7 +83,7 @@ int main(void)
     csp_delay(&writing, 1U, 1000000);
     csp_alternative_init(&reading, reading_guards, 2U, NULL, true);
     csp_guard_read(&reading, 0U, &meeting.medium, &scripts[5].value, sizeof(int64_t));
-    csp_guard_read(&reading, 1U, &left.medium, &scripts[5].value, sizeof(int64_t));
+    csp_guard_read(&reading, 1U, &left.channel.medium, &scripts[5].value, sizeof(int64_t));
     csp_enable_all(&reading);
     script_run(scripts, names, NULL, 0U, NULL, -1);
     return 0;

@@ -2,7 +2,8 @@
 #include "script.h"
 
 static script scripts[9];
-static csp_any_channel stop, own, later;
+static csp_guarded_channel stop;
+static csp_any_channel own, later;
 static csp_buffer memory;
 static int64_t memory_values[1];
 static csp_alternative writing;
@@ -13,7 +14,7 @@ static const csp_branches branches[] = {{sizeof(script), sizeof(script), 3U, 0U,
 
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 1U}};
 static const script_list guarded = {
-    {.action = INTERRUPT, .process = &scripts[4], .medium = &stop.medium, .jump = 2U},
+    {.action = INTERRUPT, .process = &scripts[4], .medium = &stop.channel.medium, .jump = 2U},
     {.action = SAY, .text = "not interrupted"},
     {.action = SAY, .text = "interrupted by stop"},
     {.action = INTERRUPT, .process = &scripts[5], .rank = 4, .jump = 5U},
@@ -33,7 +34,7 @@ static const script_list guarded = {
 };
 static const script_list stopper = {
     {.action = DELAY, .value = 5},
-    {.action = WRITE, .medium = &stop.medium, .value = 1},
+    {.action = WRITE, .medium = &stop.channel.medium, .value = 1},
     {.action = DELAY, .value = 10},
     {.action = WRITE, .medium = &own.medium, .value = 2},
 };
@@ -66,7 +67,7 @@ int main(void)
     for (uint32_t index = 0U; index < 9U; index++) {
         script_init(&scripts[index], index + 1U, process_names[index], lists[index]);
     }
-    csp_any_init(&stop, 0U);
+    csp_guarded_init(&stop, 0U);
     csp_any_init(&own, 1U);
     csp_any_init(&later, 2U);
     csp_buffer_init(&memory, 3U, memory_values, 1U, false);

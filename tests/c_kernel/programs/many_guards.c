@@ -4,7 +4,7 @@
 enum { GUARDS = 130 };
 
 static script scripts[GUARDS + 2];
-static csp_any_channel channel[GUARDS];
+static csp_guarded_channel channel[GUARDS];
 static csp_alternative choice;
 static csp_guard guards[GUARDS];
 static csp_word words[2U * CSP_WORDS(GUARDS)];
@@ -32,7 +32,7 @@ static csp_party *chooser_step(csp_party *party)
         }
         csp_enable_all(&choice);
         for (self->repeated = 0; self->repeated < 7; self->repeated++) {
-            CSP_AWAIT(csp_select(party, &choice), csp_select_again(party, &choice), 2, failed)
+            CSP_AWAIT(csp_select_inputs(party, &choice, GUARDS), csp_select_again(party, &choice), 2, failed)
         }
         return csp_end(party);
     case 3:
@@ -64,13 +64,13 @@ int main(void)
         text[2] = digits[(index / 10U) % 10U];
         text[3] = digits[index % 10U];
         names[index] = text;
-        csp_any_init(&channel[index], index);
-        csp_guard_read(&choice, index, &channel[index].medium, &scripts[GUARDS + 1].value, sizeof(int64_t));
+        csp_guarded_init(&channel[index], index);
+        csp_guard_read(&choice, index, &channel[index].channel.medium, &scripts[GUARDS + 1].value, sizeof(int64_t));
         /* Some arrive late, and all but every seventh never do. */
         writing[index][0].action = DELAY;
         writing[index][0].value = ((index % 2U) == 0U) ? 0 : (GUARDS - index);
         writing[index][1].action = ((index % 7U) == 0U) ? WRITE : STOP;
-        writing[index][1].medium = &channel[index].medium;
+        writing[index][1].medium = &channel[index].channel.medium;
         writing[index][1].value = index + 1;
         script_init(&scripts[index + 1U], index + 2U, text, writing[index]);
     }

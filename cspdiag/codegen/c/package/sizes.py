@@ -17,6 +17,7 @@ PREFIX = "csp_size_"
 
 _CHANNELS: Mapping[Access, str] = {
     "channel": "csp_channel",
+    "guarded": "csp_guarded_channel",
     "any": "csp_any_channel",
     "broadcast": "csp_broadcast",
     "buffer": "csp_buffer",

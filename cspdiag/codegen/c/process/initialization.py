@@ -46,7 +46,10 @@ from cspdiag.network.ir.walk import parts
 
 PORTS = code("ports")
 
-_INIT_FUNCTIONS = {"channel": "csp_channel_init", "any": "csp_any_init", "broadcast": "csp_broadcast_init"}
+_INIT_FUNCTIONS = {
+    "channel": "csp_channel_init", "guarded": "csp_guarded_init", "any": "csp_any_init",
+    "broadcast": "csp_broadcast_init",
+}  # fmt: skip
 
 
 @record

@@ -15,6 +15,7 @@ KINDS: dict[Access, str] = {
     "constant": "CSP_END_VARIABLE",
     "discard": "CSP_END_VARIABLE",
     "channel": "CSP_END_CHANNEL",
+    "guarded": "CSP_END_GUARDED",
     "any": "CSP_END_ANY",
     "broadcast": "CSP_END_BROADCAST",
     "buffer": "CSP_END_BUFFER",

@@ -10,9 +10,12 @@ from cspdiag.model.types import Type
 from cspdiag.network.ir.network import LocalChannel, Medium, Port
 
 Access: TypeAlias = Literal[
-    "variable", "constant", "discard", "channel", "any", "broadcast", "buffer", "sampled", "event", "latched", "direct"
-]
-"""``channel`` is a rendezvous of one reader and one writer without guards, ``any`` is every other rendezvous."""
+    "variable", "constant", "discard", "channel", "guarded", "any", "broadcast", "buffer",
+    "sampled", "event", "latched", "direct",
+]  # fmt: skip
+"""A rendezvous of one reader and one writer is a ``channel`` without guards, and ``guarded`` if only the reader has
+guards; ``any`` is every other rendezvous.
+"""
 
 
 @record
@@ -41,7 +44,15 @@ class EndInC:
     @property
     def medium(self) -> Code:
         """A pointer to the ``csp_medium`` at the beginning of the object."""
+        if self.access == "guarded":
+            return address(member_of(self.pointer, "channel").field("medium"))
         return address(member_of(self.pointer, "medium"))
+
+
+def _rendezvous(*, guarded_reads: bool, guarded_writes: bool) -> Access:
+    if guarded_writes:
+        return "any"
+    return "guarded" if guarded_reads else "channel"
 
 
 def access_of_channel(channel: LocalChannel) -> Access:
@@ -50,7 +61,7 @@ def access_of_channel(channel: LocalChannel) -> Access:
         case "var":
             return "variable"
         case "sync":
-            return "any" if channel.guarded_reads or channel.guarded_writes else "channel"
+            return _rendezvous(guarded_reads=channel.guarded_reads, guarded_writes=channel.guarded_writes)
         case "overwrite":
             return "buffer"
         case "broadcast" | "any" | "buffer":
@@ -64,7 +75,7 @@ def access_of_medium(medium: Medium) -> Access:
         case "var":
             return "variable"
         case "sync":
-            return "any" if medium.guarded_reads or medium.guarded_writes else "channel"
+            return _rendezvous(guarded_reads=medium.guarded_reads, guarded_writes=medium.guarded_writes)
         case "overwrite":
             return "buffer"
         case "broadcast" | "any" | "buffer" | "sampled" | "event" | "latched" | "direct" | "constant" | "discard":
@@ -88,6 +99,8 @@ def port_type(access: Access, type_name: str, *, writes: bool) -> str | None:
             return None
         case "channel":
             return "csp_channel *"
+        case "guarded":
+            return "csp_guarded_channel *"
         case "any":
             return "csp_any_channel *"
         case "broadcast":
@@ -112,6 +125,8 @@ def channel_type(access: Access, type_name: str) -> str:
             return type_name
         case "channel":
             return "csp_channel"
+        case "guarded":
+            return "csp_guarded_channel"
         case "any":
             return "csp_any_channel"
         case "broadcast":

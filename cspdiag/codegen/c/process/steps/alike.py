@@ -19,7 +19,12 @@ from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import LiteralValue, VariableValue
 from cspdiag.network.ir.walk import parts
 
-_POINTERS = {"channel": "csp_channel *", "any": "csp_any_channel *", "buffer": "csp_buffer *"}
+_POINTERS = {
+    "channel": "csp_channel *",
+    "guarded": "csp_guarded_channel *",
+    "any": "csp_any_channel *",
+    "buffer": "csp_buffer *",
+}
 """The declaration of a pointer to the chosen element of an array of ports; other kinds of ports cannot be shared."""
 
 _PLAIN = (ir.SkipStep, ir.ReadValue, ir.WriteValue, ir.AssignValue, ir.WaitStep, ir.SequentialSteps, ir.IfElse)

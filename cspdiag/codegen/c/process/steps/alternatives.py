@@ -40,8 +40,8 @@ from cspdiag.network.ir.faults import is_known_at_start
 _MAX_TESTED_BRANCHES = 8
 """Up to this number of branches an ``if`` tests each in turn; with more, a ``switch`` jumps to the chosen one."""
 
-_WORD_BITS = 64
-"""The largest size of a word of the kernel: up to half as many guards need no array of words on any machine."""
+_GUARDS_OF_WORD = 32
+"""``CSP_GUARDS_OF_WORD`` of the kernel: up to this number of guards need no array of words on any machine."""
 
 
 @dataclass(eq=False)
@@ -97,7 +97,12 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     state = step.name.replace("choice", "chooses")
     place = writer.place(step, state, "ALTERNATIVE", member.member.field("alternative"))
     again = call("csp_select_again", "party", alternative)
-    waiting = writer.wait(call("csp_select", "party", alternative), again, place)
+    inputs = all(isinstance(branch.event, InputEvent) for branch in step.branches)
+    if inputs and not conditional and not step.prioritized:
+        begun = call("csp_select_inputs", "party", alternative, unsigned(len(guards)))
+    else:
+        begun = call("csp_select", "party", alternative)
+    waiting = writer.wait(begun, again, place)
     number_chosen = member.field("alternative").field("chosen")
     bodies: list[_Body] = []
     for start, end in runs(step.branches):
@@ -114,13 +119,13 @@ def _fields(count: int, timers: int) -> list[StructMember]:
     members = [StructMember("csp_alternative alternative"), StructMember(f"csp_guard guards[{count}]")]
     if timers:
         members.append(StructMember(f"csp_timer time_outs[{timers}]"))
-    if count > _WORD_BITS // 2:
+    if count > _GUARDS_OF_WORD:
         members.append(StructMember(f"csp_word words[2U * CSP_WORDS({count}U)]"))
     return members
 
 
 def _initialized(member: Code, count: int, *, prioritized: bool) -> Plain:
-    words = member.field("words") if count > _WORD_BITS // 2 else code("NULL")
+    words = member.field("words") if count > _GUARDS_OF_WORD else code("NULL")
     alternative, guards = address(member.field("alternative")), member.field("guards")
     truth = "true" if prioritized else "false"
     return run(call("csp_alternative_init", alternative, guards, unsigned(count), words, truth))

@@ -25,14 +25,16 @@ from cspdiag.network.ir.expressions import Expression, LiteralValue, VariableVal
 from cspdiag.network.ir.faults import is_index_of
 
 READS = {
-    "channel": "csp_channel_read", "any": "csp_any_read", "broadcast": "csp_broadcast_read",
+    "channel": "csp_channel_read", "guarded": "csp_guarded_read", "any": "csp_any_read",
+    "broadcast": "csp_broadcast_read",
     "buffer": "csp_buffer_read",
     "sampled": "csp_sampled_read", "event": "csp_event_read",
 }  # fmt: skip
 """The function that reads from an end; none for ends where reading never waits."""
 
 WRITES = {
-    "channel": "csp_channel_write", "any": "csp_any_write", "broadcast": "csp_broadcast_write",
+    "channel": "csp_channel_write", "guarded": "csp_guarded_write", "any": "csp_any_write",
+    "broadcast": "csp_broadcast_write",
     "buffer": "csp_buffer_write",
     "latched": "csp_latched_write", "direct": "csp_direct_write",
 }  # fmt: skip
