@@ -71,6 +71,14 @@ def test_generators_take_the_same_for_each_element(name: str, target: str, level
     assert growth(generating) < MOST_GROWTH
 
 
+def test_outputs_are_followed_only_where_a_variable_depends_on_them() -> None:
+    """Following all of them takes a bit for each output at each instruction."""
+    analysis = pipeline.check(program("star", FEW), read_source).analysis
+    assert analysis is not None
+    assert {"Server", "Client"} <= {shape.name for shape in analysis.flows}
+    assert not any("_written" in vars(flow) for flow in analysis.flows.values())
+
+
 def test_a_search_of_a_ring_takes_the_same_for_each_cell() -> None:
     def searching(count: int) -> Callable[[], object]:
         system = transition_system(network("ring", count))

@@ -6,8 +6,8 @@ variable that parallel branches share is reported as a race.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from functools import reduce
+from collections.abc import Collection, Iterator, Mapping, Set
+from functools import cached_property, reduce
 from operator import or_
 
 from cspdiag.base import Report, Span
@@ -24,18 +24,40 @@ from cspdiag.network.relations import UsesByKey, end_key
 from cspdiag.network.shapes import InstanceShape, Key, PortElement, Shape, attached_key
 
 
-@record(kw_only=True)
 class Flow:
-    """What a run of a shape reads and writes, seen from outside; outputs are bits, by ``outputs``.
+    """What a run of a shape reads and writes, seen from outside.
 
-    ``reads``: inputs that it reads, each with the outputs that have certainly been written before. ``writes``: outputs
-    that have certainly been written when it ends. ``ends``: whether it can end.
+    ``reads``: inputs that it reads. ``ends``: whether it can end. Which outputs have certainly been written, and when,
+    is found when it is asked for: only what is connected to variables depends on that, and there may be as many outputs
+    as there are instructions.
     """
 
-    outputs: Mapping[Key, int]
-    reads: Mapping[Key, int]
-    writes: int
-    ends: bool
+    def __init__(self, reads: Set[Key], ends: bool, process: _Process | None = None) -> None:
+        self.reads = reads
+        self.ends = ends
+        self._process = process
+        """None if it is taken to write everything, after it has read everything."""
+
+    def writes(self, output: Key) -> bool:
+        """Whether an output has certainly been written when the run ends."""
+        return self._process is None or output in self._written.at_end
+
+    def reads_before(self, input_: Key, outputs: Collection[Key]) -> bool:
+        """Whether it may read an input before it has written any of these outputs."""
+        return self._process is None or self._written.before[input_].isdisjoint(outputs)
+
+    @cached_property
+    def _written(self) -> _WrittenOutputs:
+        assert self._process is not None
+        return self._process.written_outputs(self.reads)
+
+
+@record
+class _WrittenOutputs:
+    """The outputs that a run of a shape has certainly written when it reads each input, and when it ends."""
+
+    before: Mapping[Key, Set[Key]]
+    at_end: Set[Key]
 
 
 def check_assignment(
@@ -45,18 +67,15 @@ def check_assignment(
     instances.
     """
     inputs = {key for port, _, key in shape.port_elements() if port.direction == "in"}
-    outputs = [key for port, _, key in shape.port_elements() if port.direction == "out"]
-    bits = {key: 1 << number for number, key in enumerate(outputs)}
-    everything = (1 << len(outputs)) - 1
     if shape.is_submodel or shape.is_external:
-        return Flow(outputs=bits, reads=dict.fromkeys(inputs, 0), writes=everything, ends=True)
+        return Flow(reads=inputs, ends=True)
     if shape.body is None or shape.incomplete:
-        return Flow(outputs=bits, reads={}, writes=everything, ends=True)
-    process = _Process(shape, inside, bits)
+        return Flow(reads=frozenset(), ends=True)
+    process = _Process(shape, inside)
     code = shape.flow
     before = surely_written(code, process.written_by, endless=process.endless, completes=True)
     _check_reached(code, before, agreement)
-    found: dict[Key, int] = {}
+    found: set[Key] = set()
     for instruction, written in zip(code.instructions, before, strict=True):
         if written is None:
             continue
@@ -65,26 +84,45 @@ def check_assignment(
                 _check_read(shape, uses, key, span, "", report, is_element=True)
         for key, span, reader in process.read_by(instruction):
             if key in inputs:
-                found[key] = found.get(key, everything) & written
+                found.add(key)
             elif not written & process.bits.get(key, 0):
                 _check_read(shape, uses, key, span, reader, report)
-    at_end = before[-1]
-    at_least = everything if at_end is None or shape.has_unknown_uses else at_end & everything
-    return Flow(outputs=bits, reads=found, writes=at_least, ends=at_end is not None)
+    return Flow(reads=found, ends=before[-1] is not None, process=process)
 
 
 class _Process:
     """What the instructions of a shape read and write: ports, and variables that have no value at the beginning."""
 
-    def __init__(self, shape: Shape, inside: Mapping[Shape, Flow], outputs: Mapping[Key, int]) -> None:
+    def __init__(self, shape: Shape, inside: Mapping[Shape, Flow]) -> None:
         unset = (c.name for c in shape.channels.values() if c.kind == "var" and c.initial is None and not c.excused)
-        self.bits = {**outputs, **{name: 1 << number for number, name in enumerate(unset, start=len(outputs))}}
+        self.bits = {name: 1 << number for number, name in enumerate(unset)}
+        """Those that are followed."""
+        self.shape = shape
         self.inside = inside
         self.instances = shape.instances
         self._ports: dict[tuple[Shape, Direction], list[tuple[PortElement, Key]]] = {}
         self.endless = {
             name for name, instance in shape.instances.items() if (flow := inside.get(instance.shape)) and not flow.ends
         }
+
+    def written_outputs(self, inputs: Set[Key]) -> _WrittenOutputs:
+        """Which outputs are certainly written when, followed in place of the variables."""
+        outputs = [key for port, _, key in self.shape.port_elements() if port.direction == "out"]
+        self.bits = {key: 1 << number for number, key in enumerate(outputs)}
+        code = self.shape.flow
+        before = surely_written(code, self.written_by, endless=self.endless, completes=True)
+        found: dict[Key, int] = {}
+        for instruction, written in zip(code.instructions, before, strict=True):
+            for key, _, _ in self.read_by(instruction) if written is not None else ():
+                assert written is not None
+                if key in inputs:
+                    found[key] = found.get(key, written) & written
+        at_end = before[-1]
+        everything = at_end is None or self.shape.has_unknown_uses
+        return _WrittenOutputs(
+            {key: {output for output, bit in self.bits.items() if written & bit} for key, written in found.items()},
+            {output for output, bit in self.bits.items() if everything or (at_end or 0) & bit},
+        )
 
     def written_by(self, instruction: Instruction) -> int:
         """The bits that an instruction writes. An element of an array counts as the whole array, because indexes are
@@ -118,18 +156,18 @@ class _Process:
     def _written_by_instance(self, instance: InstanceShape) -> Iterator[Key]:
         flow = self.inside.get(instance.shape)
         for key, outer in self._attached(instance, "out"):
-            if flow is None or flow.writes & flow.outputs[key]:
+            if outer in self.bits and (flow is None or flow.writes(key)):
                 yield outer
 
     def _read_by_instance(self, instance: InstanceShape) -> Iterator[Key]:
         """The reads of an instance, except of what it has written itself before."""
         flow = self.inside.get(instance.shape)
-        written: dict[Key, int] = {}
+        outputs: dict[Key, list[Key]] = {}
         if flow is not None:
             for key, outer in self._attached(instance, "out"):
-                written[outer] = written.get(outer, 0) | flow.outputs[key]
+                outputs.setdefault(outer, []).append(key)
         for key, outer in self._attached(instance, "in"):
-            if flow is None or (key in flow.reads and not flow.reads[key] & written.get(outer, 0)):
+            if flow is None or (key in flow.reads and (outer not in outputs or flow.reads_before(key, outputs[outer]))):
                 yield outer
 
     def _attached(self, instance: InstanceShape, direction: Direction) -> Iterator[tuple[Key, Key]]:
