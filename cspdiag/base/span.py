@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
+from collections.abc import Callable
 from functools import cached_property
+from typing import ClassVar
 
-from cspdiag.base.record import node, record
+from cspdiag.base.record import node
 
 LINE_END = re.compile(r"\r\n?|\n")
 """What ends a line of a file: a line feed, a carriage return, or both."""
@@ -53,13 +55,42 @@ class SourceFile:
         return self.text[start:end].rstrip("\r\n")
 
 
-@record
 class Span:
-    """A half-open range of characters of one file."""
+    """A half-open range of characters of one file.
+
+    Like a record, but without a dictionary: almost every node of a tree has one of its own.
+    """
+
+    __slots__ = ("end", "source", "start")
+    __record_fields__: ClassVar = ("source", "start", "end")
+    __match_args__ = ("source", "start", "end")
 
     source: SourceFile
     start: int
     end: int
+
+    def __init__(self, source: SourceFile, start: int, end: int) -> None:
+        _set_source(self, source)
+        _set_start(self, start)
+        _set_end(self, end)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"Span.{name} cannot be set: records do not change")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"Span.{name} cannot be deleted: records do not change")
+
+    def __repr__(self) -> str:
+        return f"Span(source={self.source!r}, start={self.start!r}, end={self.end!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is Span and (self.source, self.start, self.end) == (other.source, other.start, other.end)
+
+    def __hash__(self) -> int:
+        return hash((self.source, self.start, self.end))
+
+    def __reduce__(self) -> tuple[type[Span], tuple[SourceFile, int, int]]:
+        return Span, (self.source, self.start, self.end)
 
     @property
     def file(self) -> str:
@@ -93,3 +124,8 @@ class Span:
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}"
+
+
+_set_source: Callable[[Span, SourceFile], None] = vars(Span)["source"].__set__
+_set_start: Callable[[Span, int], None] = vars(Span)["start"].__set__
+_set_end: Callable[[Span, int], None] = vars(Span)["end"].__set__

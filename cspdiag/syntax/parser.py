@@ -109,7 +109,12 @@ class Parser:
             return
         children: list[Any] = []
         start, depth = self.lexer.start, 0
-        if length:
+        if length == 1:
+            children.append(self.values.pop())
+            start = self.starts.pop()
+            depth = self.depths.pop() + self.automaton.levels[number]
+            states.pop()
+        elif length:
             children = self.values[-length:]
             start = self.starts[-length]
             depth = max(self.depths[-length:]) + self.automaton.levels[number]
@@ -118,7 +123,11 @@ class Parser:
         if builder is None:
             value: Any = _extended_list(children, kept)
         else:
-            span = Span(self.source, start, max(start, self._end_of_last_token))
+            end = max(start, self._end_of_last_token)
+            # A node that consists of another one is at the same place.
+            span = _place_of(children[0], start, end) if length == 1 else None
+            if span is None:
+                span = Span(self.source, start, end)
             if build in {"parenthesized", "group"} and (depth == 0 or children[1].parenthesized):
                 depth += 1
             value = builder(span, *_arguments(children, kept))
@@ -204,6 +213,12 @@ class Parser:
         unused = {comment for comments in self.lexer.docs.values() for comment in comments}
         comments = tuple(comment for comment in self.lexer.comments if not is_doc(comment.text) or comment in unused)
         return ast.SourceTree(span=Span(source, 0, len(source.text)), source=source, items=items, comments=comments)
+
+
+def _place_of(child: object, start: int, end: int) -> Span | None:
+    """The span of a node, if it has just this range."""
+    span = getattr(child, "span", None)
+    return span if span is not None and span.start == start and span.end == end else None
 
 
 def _arguments(children: list[Any], kept: tuple[int | None, ...]) -> list[Any]:

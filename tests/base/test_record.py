@@ -14,6 +14,7 @@ import pytest
 
 import cspdiag
 from cspdiag.base.record import field_names, is_record, lazily, node, record, replaced
+from cspdiag.base.span import SourceFile, Span
 
 
 @record
@@ -343,3 +344,22 @@ def test_a_tuple_with_names_has_a_reason():
         | kept_as_plain_tuples_in_a_file
         | hashed_or_read_in_the_inner_loop_of_a_proof
     )
+
+
+def test_a_span_is_like_a_record_but_has_no_dictionary():
+    source = SourceFile(name="main.csp", text="skip")
+    span = Span(source, 1, 3)
+    assert (is_record(span), field_names(span), hasattr(span, "__dict__")) == (True, ("source", "start", "end"), False)
+    assert span == Span(source=source, start=1, end=3) != Span(source, 1, 4)
+    assert span != Span(SourceFile(name="main.csp", text="skip"), 1, 3)
+    assert len({span, Span(source, 1, 3), replaced(span, end=4)}) == 2
+    assert copy.copy(span) == span
+    other = pickle.loads(pickle.dumps(span))
+    assert (other.source.name, other.text) == ("main.csp", "ki")
+    assert repr(span) == "Span(source=SourceFile('main.csp'), start=1, end=3)"
+    with pytest.raises(AttributeError, match="records do not change"):
+        span.start = 2
+    with pytest.raises(AttributeError, match="records do not change"):
+        del span.start
+    with pytest.raises(TypeError):
+        Span(source, 1)

@@ -49,7 +49,7 @@ def _warn_of_faults(program: Program, report: Report) -> None:
                 for inner in nodes(expression) if has_indexes else ():
                     if isinstance(inner, ast.Index) and inner not in program.poisoned:
                         _check_index(program, inner.index, program.types.get(inner.value, UNKNOWN), found)
-            if isinstance(part, ast.Reference):
+            if isinstance(part, ast.Reference) and part.indexes:
                 _check_element(program, part, found)
     faults = [one for one in found.diagnostics if _is_fault(one)]
     if not faults:
@@ -60,23 +60,24 @@ def _warn_of_faults(program: Program, report: Report) -> None:
             report.add(CertainFault(fault.span, problem=fault.message))
 
 
+_AT_RUN_TIME: dict[type[ast.Node], str] = {
+    **dict.fromkeys((ast.Write, ast.OutputGuard, ast.Assign, ast.Equation, ast.Let, ast.Next, ast.Derivative), "value"),
+    **dict.fromkeys((ast.Wait, ast.TimeGuard), "time"),
+    **dict.fromkeys((ast.Guard, ast.If, ast.While), "condition"),
+    ast.Mu: "until",
+}
+"""The field with the expression that is evaluated in a step, a guard or an equation; None where it is left out."""
+
+
 def _evaluated_at_run_time(program: Program, part: ast.Node) -> tuple[ast.Expression, ...]:
     """The expressions that are evaluated in a step, a guard or an equation."""
-    match part:
-        case (
-            ast.Write() | ast.OutputGuard() | ast.Assign() | ast.Equation() | ast.Let() | ast.Next() | ast.Derivative()
-        ):
-            return (part.value,)
-        case ast.Wait() | ast.TimeGuard():
-            return (part.time,)
-        case ast.Mu(until=condition) | ast.Guard(condition=condition):
-            return () if condition is None else (condition,)
-        case ast.If() | ast.While():
-            return (part.condition,)
-        case ast.Reference() if isinstance(program.bindings.get(part), ast.Variable):
-            return part.indexes
-        case _:  # Any other node: its expressions are in one of these.
-            return ()
+    field = _AT_RUN_TIME.get(type(part))
+    if field is not None:
+        expression: ast.Expression | None = getattr(part, field)
+        return () if expression is None else (expression,)
+    if isinstance(part, ast.Reference) and part.indexes and isinstance(program.bindings.get(part), ast.Variable):
+        return part.indexes
+    return ()
 
 
 def _is_fault(found: Diagnostic) -> bool:

@@ -65,6 +65,8 @@ def _outputs_of_instances(
 ) -> Iterator[tuple[ast.Instance, tuple[PortSymbol, ...]]]:
     """The sampled outputs of a process that each of its instances writes."""
     found: dict[ast.Instance, tuple[PortSymbol, ...]] = {}
+    if not any(ports.sampling is not None and ports.direction == "out" for ports in definition.ports):
+        return
     for declaration in declared_in(definition):
         if not isinstance(declaration, ast.Connection):
             continue

@@ -102,6 +102,8 @@ class Definitions:
         return (item for item in declared_in(definition) if isinstance(item, ast.Instance))
 
     def _find_structural(self, definition: ast.ProcessDefinition) -> Iterator[str]:
+        if not definition.parameters:
+            return
         yield from self._parameters_in(_port_expressions(definition))
         for item in declared_in(definition):
             match item:

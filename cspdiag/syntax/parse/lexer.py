@@ -91,9 +91,9 @@ class Previous(NamedTuple):
 class Lexer:
     """Reads a file token by token.
 
-    After ``advance`` the attributes ``kind`` (a terminal), ``text``, ``start`` and ``end`` describe the present token,
-    and ``before`` the previous one. ``comments`` has all comments so far, ``docs`` the doc comments among them, by the
-    offset of the token that follows. Mistakes in single characters, strings and comments are reported here.
+    After ``advance`` the attributes ``kind`` (a terminal), ``text``, ``start`` and ``end`` describe the present token.
+    ``comments`` has all comments so far, ``docs`` the doc comments among them, by the offset of the token that follows.
+    Mistakes in single characters, strings and comments are reported here.
     """
 
     def __init__(self, source: SourceFile, scanner: Scanner, report: Report) -> None:
@@ -111,17 +111,22 @@ class Lexer:
         self.text = ""
         self.start = 0
         self.end = 0
-        self.before = Previous(END, "", 0, 0)
+        self._before = END, "", 0, 0
         self.comments: list[Comment] = []
         self.docs: dict[int, list[Comment]] = {}
+
+    @property
+    def before(self) -> Previous:
+        """The token before the present one."""
+        return Previous(*self._before)
 
     def advance(self, accepted: dict[str, int]) -> None:
         """Go to the next token; the parser accepts the terminals ``accepted``."""
         if self.end > self.start:
-            self.before = Previous(self.kind, self.text, self.start, self.end)
+            self._before = self.kind, self.text, self.start, self.end
         else:
             # An inserted token has no place in the text.
-            self.before = self.before._replace(kind=self.kind, text="")
+            self._before = self.kind, "", *self._before[2:]
         match = self._match(self._text, self.end)
         while match is not None and (match.lastgroup == "COMMENT" or match.lastgroup == "UNKNOWN"):
             match = self._pass_comments(match) if match.lastgroup == "COMMENT" else self._pass_unknown(match)
