@@ -51,6 +51,7 @@ from .compiled.arithmetic import (
     uint16,
     uint32,
 )
+from .compiled.linear import rk4_matrices
 from .compiled.numbered import numbered
 from .compiled.rendezvous import Alternated, Rendezvous
 from .compiled.routine import Inlined, Numbered, Part, Routine, Steps, end_group, start_group
@@ -179,6 +180,7 @@ __all__ = [
     "record",
     "remainder",
     "replaced",
+    "rk4_matrices",
     "s",
     "seconds",
     "sign",

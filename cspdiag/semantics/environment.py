@@ -7,7 +7,7 @@ from typing import Any
 from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.expression_walk import signals_read
 from cspdiag.network.ir.network import Environment, SubmodelClass
-from cspdiag.semantics.laws import Law
+from cspdiag.semantics.equations.laws import Law
 from cspdiag.semantics.values import zero
 
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from cspdiag.network.ir import actions as act
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, ProcessClass, SubmodelClass
-from cspdiag.semantics.laws import Law
+from cspdiag.semantics.equations.laws import Law
 from cspdiag.semantics.media import EndKey, Medium, Offer, Place
 from cspdiag.semantics.requests import Communicate, Steps
 from cspdiag.semantics.values import Names, fitting, value_of

@@ -71,6 +71,7 @@ def test_static_analysis() -> None:
         *("cppcheck", "--quiet", "--std=c99", "--enable=warning,style,performance,portability", "--error-exitcode=1"),
         *("--suppress=missingIncludeSystem", "--suppress=unusedStructMember", f"-I{SUPPORT}"),
         *kernel_files(),
+        SUPPORT / "csp_linear.c",
         SUPPORT / "csp_port_posix.c",
         SUPPORT / "csp_signals.c",
         SUPPORT / "csp_watch.c",

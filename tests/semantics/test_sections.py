@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-MODULES = sorted((ROOT / "cspdiag" / "semantics").glob("[!_]*.py"))
+MODULES = sorted((ROOT / "cspdiag" / "semantics").rglob("[!_]*.py"))
 PAGE = (ROOT / "docs" / "language.md").read_text(encoding="utf-8")
 PLACES = {
     *re.findall(r"^#+ (.*)$", PAGE, re.MULTILINE),

@@ -78,6 +78,22 @@ def held(class_: SubmodelClass) -> list[str]:
     return [name for name in read if name not in moving]
 
 
+def evaluated_in_stages(class_: SubmodelClass) -> SubmodelClass:
+    """The class without the states that move by a matrix: the others are integrated by evaluating their derivatives."""
+    linear = {name for block in class_.linear for name in block.states}
+    if not linear:
+        return class_
+    derivatives = tuple(item for item in class_.derivatives if item[0] not in linear)
+    equations = needed(class_.derivative_equations, signals((derivatives,)))
+    return replaced(
+        class_,
+        states=tuple(state for state in class_.states if state.name not in linear),
+        derivative_equations=tuple(item for item in equations if isinstance(item, SubmodelEquation)),
+        derivatives=derivatives,
+        linear=(),
+    )
+
+
 def changes(class_: ProcessClass | SubmodelClass, run: RunLaw | None = None) -> dict[str, SubmodelState]:
     """The states by name, each at the place where its next value or derivative is given; with ``run`` only those that
     an inlined law changes.
@@ -131,7 +147,8 @@ def signal_types(class_: SubmodelClass) -> dict[str, Type]:
     types: dict[str, Type] = {}
     for group in (class_.parameters, class_.ports, class_.states, class_.constants):
         types.update((item.name, item.type) for item in group)
-    for equation in (*class_.equations, *class_.derivative_equations):
+    held = [item for block in class_.linear for item in block.equations]
+    for equation in (*class_.equations, *class_.derivative_equations, *held):
         if isinstance(equation, ExternalCall):
             types.update({local: type_ for _, local, type_ in equation.outputs})
         else:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from cspdiag.model.constants.durations import duration
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import RunLaw
-from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall, LinearBlock, SubmodelEquation
 from cspdiag.network.ir.network import LocalChannel, Medium, Port, ProcessClass, SubmodelClass
 
 
@@ -71,6 +71,8 @@ def law_lines(law: SubmodelClass | RunLaw) -> Iterator[str]:
         yield f"during the sample {_equation(equation)}"
     for name, value in law.derivatives:
         yield f"der {name} = {expression_text(value)}"
+    for block in law.linear if isinstance(law, SubmodelClass) else ():
+        yield from _linear_lines(block)
     if law.derivatives:
         step = "" if law.step is None else f" in steps of at most {duration(law.step)}"
         yield f"integrated by {law.method}{step}"
@@ -84,3 +86,17 @@ def _equation(equation: SubmodelEquation | ExternalCall) -> str:
     outputs = ", ".join(f"{name} : {kind}" for _, name, kind in equation.outputs)
     body = external_text(equation.external)
     return f"{outputs} = call {equation.name} : {equation.definition}({arguments}) {body} with {inputs}"
+
+
+def _linear_lines(block: LinearBlock) -> Iterator[str]:
+    """The states that move by a matrix, and their derivatives as sums."""
+    for equation in block.equations:
+        yield f"before the step {_equation(equation)}"
+    for name, row, held in zip(block.states, block.matrix, block.held, strict=True):
+        terms = [
+            f"({expression_text(part)}) * {state}"
+            for state, part in zip(block.states, row, strict=True)
+            if part is not None
+        ]
+        terms += [] if held is None else [expression_text(held)]
+        yield f"linear {name}: {' + '.join(terms) or '0'}"

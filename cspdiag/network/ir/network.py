@@ -20,7 +20,7 @@ from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import EnumType, StructType, Type
 from cspdiag.network.ir.actions import A_co, ChannelEnd, CoreAction, End
 from cspdiag.network.ir.declared import Declared
-from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall, LinearBlock, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, Value
 
 ChannelKind: TypeAlias = Literal["var", "sync", "broadcast", "any", "buffer", "overwrite"]
@@ -202,7 +202,8 @@ class SubmodelClass(Declared):
     One run: the ``equations`` are evaluated in order from the inputs and the present states; the outputs are then
     known; next, every discrete state takes its ``next`` value at once, and the continuous ones are integrated over the
     sample with the inputs held: ``derivatives`` are evaluated after ``derivative_equations`` (the part of the equations
-    that they need). ``constants`` depend on parameters only and are evaluated once, in order.
+    that they need). ``constants`` depend on parameters only and are evaluated once, in order. ``linear`` are the states
+    of an environment that move by a matrix instead, whose derivatives need not be evaluated.
     """
 
     definition: str
@@ -214,6 +215,7 @@ class SubmodelClass(Declared):
     next_values: tuple[tuple[str, Expression], ...] = ()
     derivative_equations: tuple[SubmodelEquation, ...] = ()
     derivatives: tuple[tuple[str, Expression], ...] = ()
+    linear: tuple[LinearBlock, ...] = ()
     method: Literal["rk4", "euler"] = "rk4"
     step: int | None = None
     """The longest sub-step of the integration in nanoseconds; None for the whole sample."""

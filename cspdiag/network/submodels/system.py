@@ -5,6 +5,7 @@ integration needs.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal
 
 from cspdiag.base import Report
 from cspdiag.base.record import replaced
@@ -19,6 +20,7 @@ from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.submodels.discretize import Method, spectral_radius, statespace_increments, transfer_coefficients
 from cspdiag.network.submodels.draft import Draft, LinearOperator
 from cspdiag.network.submodels.equation_order import Item, ordered, provides
+from cspdiag.network.submodels.linear import linear_blocks
 from cspdiag.network.submodels.vector_states import split_vector_states
 
 
@@ -55,8 +57,9 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     untested = [item.name for item in constants if draft.value_of(item.value) is None]
     equations, following = assured_law(plain, draft.next_values, outputs, untested)
     moving = [replaced(item, value=within_domains(item.value)) for item in _while_integrating(draft, plain)]
-    slopes = {name: within_domains(value) for name, value in draft.derivatives.items()}
+    slopes = {name: within_domains(draft.derivatives[name]) for name in draft.states if name in draft.derivatives}
     equations, next_values = _computed_first(draft, equations, following)
+    method: Literal["rk4", "euler"] = "euler" if draft.methods and set(draft.methods) == {"euler"} else "rk4"
     return replaced(
         system,
         parameters=tuple(draft.parameters.values()),
@@ -65,8 +68,9 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
         equations=equations,
         next_values=next_values,
         derivative_equations=tuple(moving),
-        derivatives=tuple((name, slopes[name]) for name in draft.states if name in slopes),
-        method="euler" if draft.methods and set(draft.methods) == {"euler"} else "rk4",
+        derivatives=tuple(slopes.items()),
+        linear=linear_blocks(draft, moving, slopes) if method == "rk4" else (),
+        method=method,
         step=min(draft.steps, default=None),
     )
 

@@ -17,8 +17,8 @@ from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Network, SubmodelClass
 from cspdiag.runtime.kernel.exceptions import Place
 from cspdiag.semantics.choice import Interrupt
+from cspdiag.semantics.equations.laws import Law
 from cspdiag.semantics.instances import ProcessInstance
-from cspdiag.semantics.laws import Law
 from cspdiag.semantics.media import Broadcast, Offer
 from cspdiag.semantics.requests import Parallel, Request, Task, Wait
 from cspdiag.semantics.submodels import SubmodelInstance

@@ -15,7 +15,7 @@ from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructTyp
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import Instantiation, SubmodelClass
 from cspdiag.runtime import Constant, Discard
-from cspdiag.semantics.laws import Law
+from cspdiag.semantics.equations.laws import Law
 from cspdiag.simulate.run.package import LoadedPackage
 from tests.codegen.packages import MODELS, OWN, network, package
 

@@ -11,33 +11,13 @@ from dataclasses import dataclass, field
 from random import Random
 
 from tests.conformance.random.nodes import Node, Program
+from tests.conformance.random.plants import plant
 from tests.properties.vocabulary import DEFINITIONS, FORMS, INITIAL, LITERALS, PRESENT
 
 KINDS = ("sync",) * 6 + ("any",) * 4 + ("buffer 1", "buffer 2", "overwrite 1", "overwrite 2", "broadcast", "broadcast")
 TYPES = ("int",) * 8 + tuple(sorted(INITIAL))
 DELAYS = ("1 ms", "1 ms", "2 ms", "2 ms", "3 ms", "0 ms", "500 us", "3 ms - now", "now % 2 ms")
 INSTANTS = ("0 ms", "1 ms", "3 ms", "4500 us", "now", "now + 1 ms", "now + 2 ms - now % 2 ms", "3 * now")
-
-PLANT = """exception Overheated
-exception Jammed
-
-submodel Plant {
-  in  u     : double
-  in  count : int
-  out y, z  : double
-  out press : int
-  out turn  : int
-
-  state x : double = 1
-  state n : int    = 0
-  der x  = u - x
-  next n = n + 1
-  y     = x
-  z     = 2 * x
-  press = n / 3
-  turn  = (n + count) / 2
-}
-"""
 
 LAWS = """submodel Sums {
   in  u : int
@@ -366,7 +346,7 @@ def meetings(seed: int) -> Program:
         rounds = f"(mu ({{}} ; {counter} := {counter} + 1) until {counter} >= {draw.randint(2, 4)})"
         body = Node(rounds, (inner,))
         bodies.append(_deep(deep, leaf, body) if deep.random() < 0.03 else body)
-    return assembled(draw, leaves, bodies, relations, external)
+    return assembled(draw, leaves, bodies, relations, external, plant(seed))
 
 
 def assembled(
@@ -375,6 +355,7 @@ def assembled(
     bodies: Sequence[Node],
     relations: Sequence[str],
     external: Mapping[str, tuple[str, str, str]],
+    plant: str,
 ) -> Program:
     """The program of some leaves in parallel, with an environment."""
     operator = draw.choice([" || ", " || ", " ||> "])
@@ -389,4 +370,4 @@ def assembled(
         "",
     ]  # fmt: skip
     definitions = tuple((leaf.name, leaf.declared(), body) for leaf, body in zip(leaves, bodies, strict=True))
-    return Program(f"{DEFINITIONS}\n{PLANT}\n{LAWS}", definitions, "\n".join(after), top)
+    return Program(f"{DEFINITIONS}\n{plant}\n{LAWS}", definitions, "\n".join(after), top)

@@ -22,6 +22,7 @@ from tests.conformance.random.meetings import (
     step,
 )
 from tests.conformance.random.nodes import Node, Program
+from tests.conformance.random.plants import plant
 
 KINDS = ("",) * 5 + (" any",) * 3 + (" buffer 1", " overwrite 1")
 OTHER = {"?": "!", "!": "?"}
@@ -161,4 +162,4 @@ def nested(seed: int) -> Program:
     external = external_ports(seed)
     leaves = [Leaf(f"Leaf{i}") for i in range(draw.randint(2, 3))]
     relations = [*connected(draw, leaves), *outside(draw, leaves, external)]
-    return assembled(draw, leaves, [body(draw, leaf) for leaf in leaves], relations, external)
+    return assembled(draw, leaves, [body(draw, leaf) for leaf in leaves], relations, external, plant(seed))

@@ -16,7 +16,7 @@ from cspdiag.network.check import check as check_network
 from cspdiag.network.ir.network import Environment, SubmodelClass
 from cspdiag.network.lower import program as lower
 from cspdiag.network.submodels.classes import flatten
-from cspdiag.semantics.laws import Law
+from cspdiag.semantics.equations.laws import Law
 from cspdiag.syntax import ast
 
 MS = 1_000_000

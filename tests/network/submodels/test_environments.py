@@ -10,7 +10,7 @@ from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
 from cspdiag.network.ir.network import SubmodelClass
-from cspdiag.semantics.laws import Law
+from cspdiag.semantics.equations.laws import Law
 from tests.network.submodels.compiled import MS, environment
 
 PROGRAM = """

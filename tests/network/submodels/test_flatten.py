@@ -15,7 +15,7 @@ from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.submodels.classes import flatten, needs_sample
-from cspdiag.semantics.laws import Law
+from cspdiag.semantics.equations.laws import Law
 from cspdiag.semantics.values import FaultError
 from cspdiag.syntax import ast
 from tests.network.submodels.compiled import MS, instance, program, submodel

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cspdiag.base.files.resources import library_source
-from cspdiag.semantics.laws import Law
+from cspdiag.semantics.equations.laws import Law
 from cspdiag.syntax import ast
 from tests.network.submodels.compiled import MS, instance, program
 

@@ -75,7 +75,7 @@ STATEMENTS = {
         "next m = m * 1\n  next k = k + 0.02\n  y = k",
     ),
     "infinite state among large values": (
-        "state m : double = 1.7e308\n  state n : double = 2.9e307",
+        "state m : double = 1.7e308\n  state n : double = 1.79e308",
         "der n =\n    n * 1<1/s>",
         "der m = m * 0<1/s>\n  y = n",
     ),
@@ -101,6 +101,12 @@ STATEMENTS = {
         "der n = [\n    1<1/s>,\n    1<1/s> * double(int(1 / int(x - 1)))]",
         "y = n[0]",
     ),
+    "held part of a let": (
+        "state n : double = 0",
+        "let d =\n    1<1/s> / (x - 1) - n * 1<1/s>",
+        "der n =\n    d\n  y = n",
+    ),
+    "held part of a derivative": ("state n : double = 0", "der n =\n    1<1/s> / (x - 1) - n * 1<1/s>", "y = n"),
     "input of a submodel": ("inner : Inner", "inner.x =\n    1 +\n    1 / (x - 1)", "y = inner.y"),
     "output of a submodel": ("inner : Inner", "y =\n    inner.y /\n    (x - 1)", "inner.x =\n    x"),
     "operator": ("", "y = pre(\n    1 / (x - 1), 0)", ""),

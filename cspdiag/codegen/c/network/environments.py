@@ -6,9 +6,16 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, record_fault_place
+from cspdiag.codegen.c.laws.equations import (
+    EquationWriter,
+    LocalVariable,
+    Target,
+    check_finite_together,
+    record_fault_place,
+)
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
+from cspdiag.codegen.c.laws.linear import LinearStep, linear_steps
 from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.text.code import (
     EQUALITY,
@@ -48,6 +55,7 @@ from cspdiag.codegen.shared.equations import (
     changes,
     constants_needed,
     defined,
+    evaluated_in_stages,
     held,
     needed,
     outputs,
@@ -126,11 +134,11 @@ class EnvironmentFiles:
 
     def _source(self) -> str:
         rows = [f"/* See {self.name}.h. */", f'#include "{self.name}.h"', ""]
-        rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', '#include "types.h"']
+        linear = ['#include "csp_linear.h"'] if self._linear else []
+        rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', *linear, '#include "types.h"']
         rows += sorted({f'#include "{body_name(call)}.h"' for call in self._calls})
-        parts: list[Statement] = [self._plant(), *self._transfers()]
-        system = self._system
-        if system is not None and system.derivatives:
+        parts: list[Statement] = [self._plant(), *(step.declaration() for step in self._linear), *self._transfers()]
+        if self._in_stages is not None and self._in_stages.derivatives:
             writer = self._writer(self._slopes_printer, at=True)
             parts += self._integration.function(self._slopes_printer, writer)
         parts += [self._evaluate()] if self._results else []
@@ -186,7 +194,7 @@ class EnvironmentFiles:
 
     @cached_property
     def _integration(self) -> Integration:
-        system = self._system
+        system = self._in_stages
         assert system is not None
         return Integration(
             name=f"{self.name}_slopes",
@@ -207,6 +215,15 @@ class EnvironmentFiles:
         inner = [*integration.states, *integration.held, *(equation.name for equation in integration.equations)]
         return self._printer(inner)
 
+    @cached_property
+    def _in_stages(self) -> SubmodelClass | None:
+        """The system without the states that move by a matrix."""
+        return None if self._system is None else evaluated_in_stages(self._system)
+
+    @cached_property
+    def _linear(self) -> list[LinearStep]:
+        return [] if self._system is None else linear_steps(self._system, self._members)
+
     def _start(self) -> Function:
         statements: list[Statement] = [store(_plant("now"), "0")]
         system = self._system
@@ -222,6 +239,8 @@ class EnvironmentFiles:
                 statements.append(run(call(f"{body_name(item)}_initialize", body, *arguments)))
             for state in system.states:
                 statements += writer.assign(self._signal(state.name), state.initial, self._place(state))
+            for step in self._linear:
+                statements += step.start(printer)
         if self._results:
             statements.append(run(ignored(code(f"{self.name}_evaluate()"))))
         for port in self.network.external_ports:
@@ -241,15 +260,16 @@ class EnvironmentFiles:
     def _state_updates(self, system: SubmodelClass) -> list[Statement]:
         """The statements that advance the states to ``now``, with the present values of the inputs."""
         integrates = bool(system.derivatives)
-        roots = {*signals((system.next_values,)), *(self._integration.held if integrates else ())}
+        roots = {*signals((system.next_values,)), *(held(system) if integrates else ())}
         equations = needed(system.equations, roots, calls=False)
         continuous = [state.name for state in system.states if state.continuous] if integrates else []
         discrete = self._read_late(system)
         local = [*continuous, *discrete, *(name for equation in equations for name in defined(equation))]
+        local += [item.name for block in system.linear for item in block.equations]
         printer = self._printer(local)
         writer = self._writer(printer)
         statements: list[Statement] = []
-        if uses_time((equations, system.next_values)) or (integrates and self._integration.depends_on_time):
+        if uses_time((equations, system.next_values)) or self._integration.depends_on_time:
             statements.append(define("const double", "time", call("csp_seconds", _plant("now"))))
         for name in (*discrete, *continuous):
             variable = self._variable(name, fixed=name not in continuous)
@@ -262,6 +282,8 @@ class EnvironmentFiles:
             for name, value in system.next_values:
                 updates += writer.assign(self._signal(name), value, places[name])
             statements += choose(infix("==", EQUALITY, phase, code("0")), updates)
+        for block in system.linear:
+            statements += writer.equations(block.equations, self._variable)
         if integrates:
             statements += self._integration_statements(system, printer, places)
         return statements
@@ -270,7 +292,7 @@ class EnvironmentFiles:
         """Discrete states that are read after they may have changed."""
         late = set(read_after_change(system.next_values))
         if system.derivatives:
-            late |= set(self._integration.held) & {name for name, _ in system.next_values}
+            late |= set(held(system)) & {name for name, _ in system.next_values}
         return [state.name for state in system.states if state.name in late and not state.continuous]
 
     def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:
@@ -293,9 +315,17 @@ class EnvironmentFiles:
             rounded = infix("-", SUM, infix("+", SUM, elapsed, step), code("1"))
             statements.append(define("const int64_t", "steps", infix("/", PRODUCT, rounded, step)))
             statements.append(define("const double", "h", infix("/", PRODUCT, interval, cast("double", count))))
-        statements += self._integration.steps(printer.signal, count)
-        states = self._integration.states
-        statements += self._integration.check([places[state] for state in states], self._writer(printer).check)
+        if self._linear:
+            statements.append(Remark("A step of RK4 over h is x = M x + N r."))
+        for linear in self._linear:
+            statements += linear.moved(printer, count)
+        if self._integration.states:
+            statements += self._integration.steps(printer.signal, count)
+        states = tuple(state.name for state in system.states if state.continuous)
+        tested = [(code(self._members[state]), places[state]) for state in states]
+        statements += check_finite_together(
+            tested, self._writer(printer).check, may_have_faulted=self._integration.can_fault
+        )
         for state in states:
             single = self.types.type_name(self._signal_types[state]) == "float"
             variable = code(self._members[state])

@@ -31,7 +31,14 @@ from cspdiag.optimize import PASSES, lower_for_targets, optimize
 SUPPORT = "support"
 """The folder of the kernel in a package."""
 
-_SIMULATION = ("csp_port_$(PORT).c", "csp_signals.c", "csp_simulation.c", "csp_stream.c", "csp_watch.c")
+_SIMULATION = (
+    "csp_linear.c",
+    "csp_port_$(PORT).c",
+    "csp_signals.c",
+    "csp_simulation.c",
+    "csp_stream.c",
+    "csp_watch.c",
+)
 _CONFIGURATION = "csp_config.h"
 _FILE_TEMPLATES = {".c": "source.c.j2", ".h": "header.h.j2"}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from typing import ClassVar
 
 from cspdiag.base.record import record
@@ -10,6 +11,7 @@ from cspdiag.codegen.python.plain.docs import sentence
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules, external_call
 from cspdiag.codegen.python.plain.integration import Integration
+from cspdiag.codegen.python.plain.linear import STEP, LinearStep, MatrixEntry, linear_steps
 from cspdiag.codegen.python.plain.submodels import INTEGRATION
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
@@ -22,6 +24,7 @@ from cspdiag.codegen.python.text.code import (
     Name,
     WholeNumber,
     call,
+    counted_to,
     infix,
     own,
     typed,
@@ -30,13 +33,15 @@ from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.names import Names, PackageNames
 from cspdiag.codegen.python.text.splitting import methods
-from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, if_, lines, run
+from cspdiag.codegen.python.text.statements import Assign, For, Function, Statement, assign, if_, lines, run
 from cspdiag.codegen.python.text.types import annotation, duration, literal
 from cspdiag.codegen.shared.equations import (
     Equation,
     changes,
     constants_needed,
     defined,
+    evaluated_in_stages,
+    held,
     inputs,
     needed,
     outputs,
@@ -93,15 +98,22 @@ class EnvironmentWriter:
         self.package = names
         self.modules = modules
         self.system = environment.system
-        self.names = Names(self.members)
+        self.names = Names({*self.members, *names.constants.values()})
         self.types = signal_types(self.system) if self.system is not None else {}
         for name in self.types:
             self.names[name]
         for device in environment.drivers:
             self.names[device.name]
-        taken = {*(self.names[name] for name in self.types), *self.members}
+        self.linear = [] if self.system is None else linear_steps(self.system, self.names)
+        matrices = (name for step in self.linear for name in self._names_of_matrices(step))
+        taken = {*(self.names[name] for name in self.types), *self.members, *matrices}
         self.imports = Imports(names, taken=taken, dots="..")
         self.constants = constants_needed(self.system) if self.system is not None else []
+
+    @cached_property
+    def _in_stages(self) -> SubmodelClass | None:
+        """The system without the states that move by a matrix."""
+        return evaluated_in_stages(self.system) if self.system is not None else None
 
     def module(self) -> EnvironmentModule:
         """The values for the template."""
@@ -132,6 +144,9 @@ class EnvironmentWriter:
     def _place(self, item: Declared) -> str:
         return self.package.place(item.span.file, item.span.line)
 
+    def _names_of_matrices(self, step: LinearStep) -> Iterable[str]:
+        return (step.a, step.m, step.n)
+
     def _printer(self, local: Iterable[str], time: Code | None = None) -> Printer:
         known = {*local, *(constant.name for constant in self.constants)}
 
@@ -144,6 +159,9 @@ class EnvironmentWriter:
         printer = self._printer(())
         for item in self.constants:
             yield assign(self.names[item.name], printer.print(item.value), self._place(item))
+        for step in self.linear:
+            yield from step.described()
+            yield assign(step.a, step.coefficients(printer))
 
     def _calls(self) -> list[ExternalCall]:
         equations = self.system.equations if self.system is not None else ()
@@ -222,8 +240,8 @@ class EnvironmentWriter:
         functions = [self._advance()]
         if self.system is not None and self._result_equations():
             functions.append(self._evaluate(self.system))
-        if self.system is not None and self.system.derivatives:
-            functions.append(self._derivatives(self.system))
+        if self._in_stages is not None and self._in_stages.derivatives:
+            functions.append(self._derivatives(self._in_stages))
         return functions
 
     def _advance(self) -> Function:
@@ -240,16 +258,18 @@ class EnvironmentWriter:
         """From the previous instant to ``now``: next values and slopes are computed from the inputs at the previous
         instant.
         """
-        integration = Integration(system, self.names, self._place)
+        in_stages = evaluated_in_stages(system)
+        integration = Integration(in_stages, self.names, self._place)
         equations, wanted = self._wanted(system)
         given = [name for name in inputs(system) if name in wanted]
         continuous = [state.name for state in system.states if state.continuous]
         discrete = [state.name for state in system.states if not state.continuous and state.name in wanted]
         local = [*given, *continuous, *discrete, *(name for e in equations for name in defined(e))]
+        local += [item.name for step in self.linear for item in step.block.equations]
         kept = [name for name in self._called() if name in wanted]
         local += kept
         printer = self._printer(local)
-        timed = uses_time((equations, system.next_values)) or (system.derivatives and integration.timed)
+        timed = uses_time((equations, system.next_values)) or (in_stages.derivatives and integration.timed)
         if timed:
             yield assign("time", self._seconds(self._previous()))
         for name in given:
@@ -267,13 +287,15 @@ class EnvironmentWriter:
             )
             due = infix("==", COMPARISON, infix("%", PRODUCT, Name("now"), own("step")), WholeNumber(0))
             yield if_(due, *updates)
+        for step in self.linear:
+            for equation in step.block.equations:
+                yield from self._assigned(Name(self.names[equation.name]), printer, equation)
         if system.derivatives:
-            yield from self._integrated(system, integration)
+            yield from self._integrated(system, integration, printer)
 
     def _wanted(self, system: SubmodelClass) -> tuple[list[Equation], set[str]]:
         """The equations from which next values and slopes follow, and all signals that are read for that."""
-        integration = Integration(system, self.names, self._place)
-        roots = {*signals((system.next_values,)), *(integration.held if system.derivatives else ())}
+        roots = {*signals((system.next_values,)), *(held(system) if system.derivatives else ())}
         equations = needed(system.equations, roots, calls=False)
         read = signals((tuple(part for e in equations for part in values(e)), system.next_values))
         return equations, {*read, *roots}
@@ -282,22 +304,32 @@ class EnvironmentWriter:
         """The signals that bodies in Python compute, once in each instant."""
         return [local for item in self._calls() for _, local, _ in item.outputs]
 
-    def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
+    def _integrated(self, system: SubmodelClass, integration: Integration, printer: Printer) -> Iterable[Statement]:
+        """The steps of all continuous states; ``integration`` is for those that do not move by a matrix."""
         interval = self._seconds(ELAPSED)
+        count: Code | None = None
         if system.step is None:
             yield assign("h", interval)
-            yield from integration.loop(None)
         else:
             step = duration(system.step, self.imports)
             ceil = self.imports.standard("math", "ceil")
             ratio = infix("/", PRODUCT, ELAPSED, step)
+            count = Name("steps")
             yield assign("steps", call(ceil, ratio))
-            yield assign("h", infix("/", PRODUCT, interval, Name("steps")))
-            yield from integration.loop(Name("steps"))
+            yield assign("h", infix("/", PRODUCT, interval, count))
+        if self.linear:
+            yield STEP
+        for linear in self.linear:
+            yield linear.matrices(Name(linear.a), self.imports)
+            moved = linear.moved(_entry_of(linear.m), _entry_of(linear.n), printer)
+            yield moved if count is None else For("_", counted_to(count), (moved,))
+        if integration.states:
+            yield from integration.loop(count)
         for name, state in changes(system).items():
             if state.continuous:
-                moved = self.names[name]
-                yield assign(own(moved), call(self.imports.runtime("finite"), Name(moved)), self._place(state))
+                moved_state = self.names[name]
+                value = call(self.imports.runtime("finite"), Name(moved_state))
+                yield assign(own(moved_state), value, self._place(state))
 
     def _previous(self) -> Code:
         """The previous instant."""
@@ -369,6 +401,10 @@ class EnvironmentWriter:
         printer = self._printer([*integration.held, *moving])
         annotations = {name: annotation(type_, self.imports) for name, type_ in self.types.items()}
         return integration.derivatives(printer, annotations)
+
+
+def _entry_of(matrix: str) -> MatrixEntry:
+    return lambda row, column: Name(matrix).at(row).at(column)
 
 
 def _type_of(value: object) -> Type:

@@ -267,5 +267,7 @@ def _opening(value: Code) -> str:
             return text + _opening(operand)
         case Call(function=function):
             return f"{function.flat}("
+        case Items(brackets="()"):
+            return "("
         case _:  # Any other expression, whole.
             return value.flat

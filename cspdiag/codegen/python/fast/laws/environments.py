@@ -16,6 +16,7 @@ from cspdiag.codegen.python.plain.environments import ADVANCE, MEMBERS, Environm
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.integration import Integration, begin_of_step
+from cspdiag.codegen.python.plain.linear import STEP, LinearStep, MatrixEntry
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
     PRODUCT,
@@ -33,7 +34,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.statements import Block, For, Function, Statement, assign, if_, run
-from cspdiag.codegen.shared.equations import changes
+from cspdiag.codegen.shared.equations import changes, held
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Value
@@ -76,6 +77,9 @@ class _FastEnvironmentWriter(EnvironmentWriter):
         for item in self.constants:
             if item.name not in self._known or not isinstance(item.type, SCALAR):
                 yield assign(self.names[item.name], printer.print(item.value), self._place(item))
+        for step in self.linear:
+            yield from step.described()
+            yield assign(step.a, step.coefficients(printer))
 
     def _printer(self, local: Iterable[str], time: Code | None = None) -> FastPrinter:
         plain = super()._printer(local, time)
@@ -172,22 +176,35 @@ class _FastEnvironmentWriter(EnvironmentWriter):
         states = [state.name for state in system.states if state.continuous]
         return states + self._called()
 
-    def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
-        printer = self._printer([*integration.held, *(state.name for state in system.states if state.continuous)])
+    def _integrated(self, system: SubmodelClass, integration: Integration, printer: Printer) -> Iterable[Statement]:
+        elapsed = infix("-", SUM, Name("now"), Name("before"))
+        yield if_(infix("!=", COMPARISON, elapsed, Name("elapsed")), *self._divided(system, elapsed))
+        if self.linear:
+            yield STEP
+            moved = tuple(step.moved(self._entries(step.m), self._entries(step.n), printer) for step in self.linear)
+            yield from moved if system.step is None else (For("_", Name("steps"), moved),)
+        if integration.states:
+            yield from self._in_sub_steps(integration.class_)
+        tested = [
+            (Name(self.names[name]), self._place(state)) for name, state in changes(system).items() if state.continuous
+        ]
+        yield from refused_unless_all_finite(tested, self.imports)
+
+    def _in_sub_steps(self, system: SubmodelClass) -> Iterable[Statement]:
+        """The steps of states that are integrated by evaluating their derivatives."""
+        states = [state.name for state in system.states if state.continuous]
         inline = InlineIntegration(
-            states=[state.name for state in system.states if state.continuous],
+            states=states,
             equations=system.derivative_equations,
             derivatives=dict(system.derivatives),
             changes=changes(system),
             method=system.method,
-            printer=printer,
+            printer=self._printer([*held(system), *states]),
             local=self.names.__getitem__,
             names=self.names,
             place=self._place,
             step=SubStep(Name("h"), Name("half"), Name("sixth")),
         )
-        elapsed = infix("-", SUM, Name("now"), Name("before"))
-        yield if_(infix("!=", COMPARISON, elapsed, Name("elapsed")), *self._divided(system, elapsed))
         within = inline.statements()
         if system.step is None:
             yield from (assign("t", Name("time")),) if inline.timed else ()
@@ -196,10 +213,16 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             counter = "step" if inline.timed else "_"
             clock = (assign("t", begin_of_step()),) if inline.timed else ()
             yield For(counter, Name("steps"), (*clock, *within))
-        moved = [
-            (Name(self.names[name]), self._place(state)) for name, state in changes(system).items() if state.continuous
-        ]
-        yield from refused_unless_all_finite(moved, self.imports)
+
+    def _names_of_matrices(self, step: LinearStep) -> Iterable[str]:
+        yield from super()._names_of_matrices(step)
+        for i, row in enumerate(step.block.rows):
+            yield from (self._entries(step.m)(i, j).flat for j in row.of)
+            yield from (self._entries(step.n)(i, j).flat for j in row.held)
+
+    def _entries(self, matrix: str) -> MatrixEntry:
+        """The entries of a matrix as local variables."""
+        return lambda row, column: Name(self.names[f"{matrix}{row}{column}"])
 
     def _divided(self, system: SubmodelClass, elapsed: Code) -> Iterable[Statement]:
         """The length of a sub-step, which depends on the time between instants; that rarely changes."""
@@ -212,9 +235,17 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             ceil = self.imports.standard("math", "ceil")
             yield assign("steps", counted_to(call(ceil, count)))
             yield assign("h", infix("/", PRODUCT, interval, call("len", Name("steps"))))
-        if system.method == "rk4":
+        if system.method == "rk4" and self._in_stages is not None and self._in_stages.derivatives:
             yield assign("half", infix("/", PRODUCT, Name("h"), WholeNumber(2)))
             yield assign("sixth", infix("/", PRODUCT, Name("h"), WholeNumber(6)))
+        for step in self.linear:
+            yield step.matrices(Name(step.a), self.imports)
+            for i, row in enumerate(step.block.rows):
+                for j in row.of:
+                    if not (row.keeps and i == j):
+                        yield assign(self._entries(step.m)(i, j), Name(step.m).at(i).at(j))
+                for j in row.held:
+                    yield assign(self._entries(step.n)(i, j), Name(step.n).at(i).at(j))
 
     def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
         return self._evaluation(system, Name("now"), ())

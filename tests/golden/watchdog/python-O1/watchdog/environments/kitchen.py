@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Generator, Mapping
 
-from ..runtime import Driver, Signal, finite, floor, int64, ms
+from ..runtime import Driver, Signal, finite, floor, int64, ms, rk4_matrices
 from ..types import Reading
+
+# dx/dt = chamber_a x + r, where r is held between two instants, x = (chamber_temperature)
+chamber_a = ((-0.025,),)
 
 
 class Kitchen:
@@ -70,33 +73,16 @@ class Kitchen:
                     if chamber_contact
                     else chamber_number
                 )
+            chamber_temperature_held = (chamber_heater - -146.5) / 20.0  # watchdog.csp:74
             if now - before != elapsed:
                 elapsed = now - before
                 h = elapsed / 1_000_000_000
-                half = h / 2
-                sixth = h / 6
-            # watchdog.csp:74
-            k1_chamber_temperature = (chamber_heater - 0.5 * (chamber_temperature - 293.0)) / 20.0
-            chamber_temperature_at = chamber_temperature + half * k1_chamber_temperature
-            # watchdog.csp:74
-            k2_chamber_temperature = (
-                chamber_heater - 0.5 * (chamber_temperature_at - 293.0)
-            ) / 20.0
-            chamber_temperature_at = chamber_temperature + half * k2_chamber_temperature
-            # watchdog.csp:74
-            k3_chamber_temperature = (
-                chamber_heater - 0.5 * (chamber_temperature_at - 293.0)
-            ) / 20.0
-            chamber_temperature_at = chamber_temperature + h * k3_chamber_temperature
-            # watchdog.csp:74
-            k4_chamber_temperature = (
-                chamber_heater - 0.5 * (chamber_temperature_at - 293.0)
-            ) / 20.0
-            chamber_temperature += sixth * (
-                k1_chamber_temperature
-                + 2.0 * k2_chamber_temperature
-                + 2.0 * k3_chamber_temperature
-                + k4_chamber_temperature
+                chamber_m, chamber_n = rk4_matrices(chamber_a, h)
+                chamber_m00 = chamber_m[0][0]
+                chamber_n00 = chamber_n[0][0]
+            # A step of RK4 over h is x = M x + N r.
+            chamber_temperature = (
+                chamber_m00 * chamber_temperature + chamber_n00 * chamber_temperature_held
             )
             if chamber_temperature - chamber_temperature != 0.0:
                 finite(chamber_temperature)  # watchdog.csp:74

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..runtime import Driver, Signal, finite, floor, int64, ms, s
+from ..runtime import Driver, Signal, finite, floor, int64, ms, rk4_matrices, s
 from ..types import Reading
 
 chamber_room = 293.0  # watchdog.csp:63
 chamber_leak = 0.5  # watchdog.csp:63
 chamber_capacity = 20.0  # watchdog.csp:63
+# dx/dt = chamber_a x + r, where r is held between two instants, x = (chamber_temperature)
+chamber_a = ((-chamber_leak / chamber_capacity,),)
 
 
 class Kitchen:
@@ -55,14 +57,16 @@ class Kitchen:
             self.chamber_shown = chamber_temperature if chamber_contact else chamber_shown
             # watchdog.csp:76
             self.chamber_number = int64(chamber_number + 1) if chamber_contact else chamber_number
+        # watchdog.csp:74
+        chamber_temperature_held = (
+            chamber_heater - chamber_leak * -chamber_room
+        ) / chamber_capacity
         h = (now - self.now) / s
-        half = h / 2
-        sixth = h / 6
-        k1 = self._derivative(chamber_temperature, chamber_heater)
-        k2 = self._derivative(chamber_temperature + half * k1, chamber_heater)
-        k3 = self._derivative(chamber_temperature + half * k2, chamber_heater)
-        k4 = self._derivative(chamber_temperature + h * k3, chamber_heater)
-        chamber_temperature += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        # A step of RK4 over h is x = M x + N r.
+        chamber_m, chamber_n = rk4_matrices(chamber_a, h)
+        chamber_temperature = (
+            chamber_m[0][0] * chamber_temperature + chamber_n[0][0] * chamber_temperature_held
+        )
         self.chamber_temperature = finite(chamber_temperature)  # watchdog.csp:74
         self.now = now
         self._evaluate()
@@ -71,9 +75,3 @@ class Kitchen:
         # watchdog.csp:77
         chamber_thermometer = Reading(number=self.chamber_number, temperature=self.chamber_shown)
         self.thermometer.value = chamber_thermometer  # watchdog.csp:83
-
-    def _derivative(self, chamber_temperature: float, chamber_heater: float) -> float:
-        # watchdog.csp:74
-        return (
-            chamber_heater - chamber_leak * (chamber_temperature - chamber_room)
-        ) / chamber_capacity

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expression_walk import signals_read
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import SubmodelClass
+from cspdiag.semantics.equations.linear import Linear, linear, rk4
 from cspdiag.semantics.values import FaultError, Names, value_of
 
 
@@ -91,7 +92,8 @@ class Law:
         if self.cls.step is not None:
             steps = max(1, math.ceil(round(duration * 1e9) / self.cls.step))
         h = duration / steps
-        names = [name for name, _ in self.cls.derivatives]
+        in_blocks = self._moved_by_matrices(signals, h, steps)
+        names = [name for name, _ in self.cls.derivatives if name not in in_blocks]
         x = {name: signals[name] for name in names}
         began = self.time
         for step in range(steps):
@@ -101,7 +103,7 @@ class Law:
                 shift: float, k: Mapping[str, float] | None, x: dict[str, float] = x, t: float = t
             ) -> dict[str, float]:
                 moved = {name: x[name] + shift * (k[name] if k else 0.0) for name in names}
-                return self._derivatives({**signals, **moved}, t + shift)
+                return self._derivatives(names, {**signals, **moved}, t + shift)
 
             k1 = slope(0.0, None)
             if self.cls.method == "euler":
@@ -112,13 +114,31 @@ class Law:
             k4 = slope(h, k3)
             x = {n: x[n] + h / 6 * (k1[n] + 2 * k2[n] + 2 * k3[n] + k4[n]) for n in names}
         self.time = began
-        return x
+        moved = {**in_blocks, **x}
+        return {name: moved[name] for name, _ in self.cls.derivatives}
 
-    def _derivatives(self, signals: dict[str, Any], time: float) -> dict[str, float]:
+    def _derivatives(self, names: Collection[str], signals: dict[str, Any], time: float) -> dict[str, float]:
         self.time = time
-        for equation in self.cls.derivative_equations:
+        slopes = {name: value for name, value in self.cls.derivatives if name in names}
+        for equation in _needed(self.cls.derivative_equations, _read(slopes.values())):
             signals[equation.name] = self.value(equation.value, signals)
-        return {name: self.value(value, signals) for name, value in self.cls.derivatives}
+        return {name: self.value(value, signals) for name, value in slopes.items()}
+
+    def _moved_by_matrices(self, signals: Mapping[str, Any], h: float, steps: int) -> dict[str, float]:
+        """The states of all linear blocks after some steps of ``h`` seconds. «Linear plants»"""
+        moved: dict[str, float] = {}
+        for block in self.cls.linear:
+            moving: dict[str, Any] = {name: Linear({name: 1.0}) for name in block.states}
+            slopes = {name: value for name, value in self.cls.derivatives if name in block.states}
+
+            def form(expression: Expression, moving: Mapping[str, Any] = moving) -> Any:
+                return linear(expression, moving, lambda part: self.value(part, signals))
+
+            for equation in _needed(self.cls.derivative_equations, _read(slopes.values())):
+                moving[equation.name] = form(equation.value)
+            found = {name: form(value) for name, value in slopes.items()}
+            moved |= rk4(found, {name: signals[name] for name in found}, h, steps)
+        return moved
 
     def value(self, expression: Expression, signals: Mapping[str, Any]) -> Any:
         """The value of an expression over the signals. «Expressions»"""
@@ -138,6 +158,10 @@ def _needed(equations: Sequence[SubmodelEquation | ExternalCall], roots: Collect
             continue
         found.append(equation)
     return found[::-1]
+
+
+def _read(expressions: Iterable[Expression]) -> set[str]:
+    return {name for expression in expressions for name in signals_read(expression)}
 
 
 def _finite(x: float) -> float:

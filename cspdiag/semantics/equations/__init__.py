@@ -1,0 +1,1 @@
+"""Systems of equations: control laws and plants."""
