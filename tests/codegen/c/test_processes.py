@@ -80,6 +80,19 @@ def test_a_ring_of_many_cells_is_built_by_loops() -> None:
     assert len(ring.splitlines()) < 150
 
 
+@pytest.mark.parametrize("level", [0, 1])
+def test_only_channels_that_are_shared_or_guarded_by_their_writer_keep_queues(level: int) -> None:
+    path = OWN / "guarded.csp"
+    package = pipeline.generate(network_of(path), read_source, "c", level)
+    program, reader = package["guarded.c"], package["collects.c"]
+    assert [program.count(f"csp_{kind}_init(") for kind in ("guarded", "any")] == [3, 1]
+    assert "csp_select_inputs(party, &self->choice.alternative, 3U)" in reader
+    offers = "(output ! true -> skip [] after 9 ms -> skip) ;"
+    writing = path.read_text(encoding="utf-8").replace("output ! true ;", offers)
+    both = text_of(writing, level)["guarded.c"]
+    assert [both.count(f"csp_{kind}_init(") for kind in ("guarded", "any")] == [2, 2]
+
+
 def text_of(program: str, level: int = 0) -> dict[str, str]:
     built = pipeline.build(SourceFile(name="main.csp", text=program), read_source)
     assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
