@@ -8,7 +8,16 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from cspdiag.draw.layout import engine, sizes
-from cspdiag.draw.layout.elk_graph import LABEL_GAP, ElkGraph, Json, elk_graph, whole, without_text_order, wrapped
+from cspdiag.draw.layout.elk_graph import (
+    LABEL_GAP,
+    ElkGraph,
+    Json,
+    elk_graph,
+    least_proportions,
+    whole,
+    without_text_order,
+    wrapped,
+)
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layout, LayoutError, Route, Side
 from cspdiag.draw.layout.hierarchy import Hierarchy
 from cspdiag.draw.layout.joined import joined
@@ -19,6 +28,9 @@ WIDEST_SHAPE = 6.0
 """A drawing wider than both limits, one in pixels and one as a multiple of its height, is broken into rows; long chains
 are.
 """
+
+LARGE = 400
+"""Boxes. A smaller graph is always laid out in one row first: that takes less than a second."""
 
 
 def engine_available() -> bool:
@@ -31,14 +43,31 @@ def lay_out(graph: Graph) -> Layout:
     for an invalid graph.
     """
     elk = elk_graph(graph)
+    if _is_surely_too_wide(elk):
+        # To lay it out in one row takes as long as in several, and would show only that it is too wide.
+        with suppress(LayoutError):
+            return _layout_of(elk, engine.run(wrapped(elk)))
+        elk = elk_graph(graph)
     try:
         placed = engine.run(whole(elk))
     except LayoutError:
         placed = engine.run(without_text_order(elk))
-    if not elk.downwards and placed["width"] > max(WIDEST, WIDEST_SHAPE * placed["height"]):
+    if not elk.downwards and _is_too_wide(placed["width"], placed["height"]):
         with suppress(LayoutError):
             placed = engine.run(wrapped(elk))
     return _layout_of(elk, placed)
+
+
+def _is_too_wide(width: float, height: float) -> bool:
+    return width > max(WIDEST, WIDEST_SHAPE * height)
+
+
+def _is_surely_too_wide(elk: ElkGraph) -> bool:
+    """Whether a large drawing would be too wide even if it were half as wide and twice as high as is to be expected."""
+    if elk.downwards or len(elk.hierarchy.nodes) < LARGE:
+        return False
+    width, height = least_proportions(elk)
+    return _is_too_wide(width / 2, 2 * height)
 
 
 @dataclass

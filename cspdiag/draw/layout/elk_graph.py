@@ -126,6 +126,29 @@ def wrapped(elk: ElkGraph) -> Json:
     return whole(elk)
 
 
+def least_proportions(elk: ElkGraph) -> tuple[float, float]:
+    """The width and the height that a drawing to the right needs for the boxes of its layers alone: a box is in the
+    layer after all those before it in the text that a line joins to it.
+    """
+    place = {node.id: number for number, node in enumerate(elk.graph.nodes)}
+    before: dict[str, list[str]] = {}
+    for edge in elk.graph.edges:
+        for source in edge.sources:
+            for target in edge.targets:
+                ends = (elk.hierarchy.chains[elk.hierarchy.owners[end]][0] for end in (source, target))
+                first, second = sorted(ends, key=place.__getitem__)
+                before.setdefault(second, []).append(first)
+    layer: dict[str, int] = {}
+    widths: dict[int, float] = {}
+    heights: dict[int, float] = {}
+    for node in elk.graph.nodes:
+        number = layer[node.id] = max((layer[one] + 1 for one in before.get(node.id, ()) if one in layer), default=0)
+        ports = len(node.ports) * sizes.port_spacing(node)
+        widths[number] = max(widths.get(number, 0), node.width)
+        heights[number] = heights.get(number, 0) + max(node.height, ports) + elk.graph.node_spacing
+    return sum(widths.values()) + len(widths) * elk.graph.layer_spacing, max(heights.values(), default=0)
+
+
 def whole(elk: ElkGraph) -> Json:
     """The input for ELK."""
     return {"id": "", "layoutOptions": elk.options, "children": elk.top, "edges": elk.edges}

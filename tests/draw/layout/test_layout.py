@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import combinations, pairwise
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cspdiag.draw.layout import elk, engine
 from cspdiag.draw.layout.elk import engine_available, lay_out
+from cspdiag.draw.layout.elk_graph import elk_graph
 from cspdiag.draw.layout.graph import (
     Direction,
     Edge,
@@ -204,6 +208,33 @@ def test_a_long_chain_is_broken_into_rows() -> None:
     places = [*long.nodes.values(), *(long.labels[f"e{index}.label"] for index in range(29))]
     assert not any(first.overlaps(second) for first, second in combinations(places, 2))
     assert all(reached(long.routes[f"e{index}"]) == {f"b{index + 1}.in0"} for index in range(29))
+
+
+@needs_engine
+def test_a_large_chain_is_laid_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    boxes = tuple(box(f"box{number}") for number in range(elk.LARGE))
+    lines = tuple(Edge(f"line{n}", (f"box{n}.out0",), (f"box{n + 1}.in0",)) for n in range(len(boxes) - 1))
+    back = Edge("back", (f"box{len(boxes) - 1}.out0",), ("box0.in0",))
+    runs: list[bool] = []
+
+    def counted(graph: dict[str, Any], run: Callable[[dict[str, Any]], dict[str, Any]] = engine.run) -> dict[str, Any]:
+        runs.append("elk.layered.wrapping.strategy" in graph["layoutOptions"])
+        return run(graph)
+
+    monkeypatch.setattr(engine, "run", counted)
+    chain, ring = Graph(boxes, lines), Graph(boxes, (*lines, back))
+    found = [lay_out(graph) for graph in (chain, ring)]
+    assert runs == [True, True]
+    monkeypatch.setattr(elk, "LARGE", len(boxes) + 1)
+    assert found == [lay_out(graph) for graph in (chain, ring)]
+    assert runs == [True, True, False, True, False, True]
+
+
+def test_a_large_graph_of_few_layers_stays_in_one_row() -> None:
+    pairs = range(elk.LARGE // 2)
+    boxes = tuple(box(f"{kind}{number}") for number in pairs for kind in ("left", "right"))
+    lines = tuple(Edge(f"line{n}", (f"left{n}.out0",), (f"right{n}.in0",)) for n in pairs)
+    assert not elk._is_surely_too_wide(elk_graph(Graph(boxes, lines)))
 
 
 @needs_engine
