@@ -115,11 +115,6 @@ def are_below(values: Column, size: int) -> bool:
     return _least(values) >= 0 and _greatest(values) < size
 
 
-def are_distinct(values: Column) -> bool:
-    """Whether no index occurs twice."""
-    return isinstance(values, range) or len(set(values)) == len(values)
-
-
 def chosen(among: Sequence[int], indexes: Column) -> Sequence[int]:
     """The elements at the indexes."""
     if isinstance(indexes, range) and indexes and indexes.step == 1:
