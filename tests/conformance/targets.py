@@ -115,9 +115,13 @@ class GeneratedPython:
         return simulate(network, files, environment=environment, until=until, recorder=recorder)
 
 
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+"""What generated C is free of; an engineer who compiles it may ask for any of these."""
+
+
 @dataclass(frozen=True)
 class NativeSimulation:
-    """The C that ``cspdiag compile --target c`` generates, with its environment compiled in.
+    """The C that ``cspdiag compile --target c`` generates, with its environment compiled in, without any warning.
 
     The optimizer of the C compiler is switched off, for speed, unless the environment variable CFLAGS switches it on.
     """
@@ -150,7 +154,7 @@ class NativeSimulation:
                 environment=environment,
                 until=until,
                 fused=not self.observed,
-                options=("-O0",),
+                options=("-O0", *WARNINGS),
             )
         except target_errors() as problem:
             raise RefusedError(str(problem)) from problem

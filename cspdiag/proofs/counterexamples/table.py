@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby, takewhile
-from typing import NamedTuple
 
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party, Step
 from cspdiag.proofs.counterexamples.rounds import Repeated, shortened
@@ -19,7 +19,8 @@ _MOST_COLUMNS = 20
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
 
 
-class _Row(NamedTuple):
+@record
+class _Row:
     number: str
     event: str
     cells: Mapping[str, str]

@@ -11,7 +11,7 @@ from cspdiag.network.ir.expression_walk import signals_read
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.semantics.equations.linear import Linear, linear, rk4
-from cspdiag.semantics.values import FaultError, Names, value_of
+from cspdiag.semantics.values import FaultError, Names, fitting, value_of
 
 
 def _no_variable(name: str) -> Any:
@@ -95,6 +95,8 @@ class Law:
         in_blocks = self._moved_by_matrices(signals, h, steps)
         names = [name for name, _ in self.cls.derivatives if name not in in_blocks]
         x = {name: signals[name] for name in names}
+        # A derivative has the type of its state, apart from the unit.
+        kinds = {name: value.type for name, value in self.cls.derivatives}
         began = self.time
         for step in range(steps):
             t = began + step * h
@@ -102,17 +104,17 @@ class Law:
             def slope(
                 shift: float, k: Mapping[str, float] | None, x: dict[str, float] = x, t: float = t
             ) -> dict[str, float]:
-                moved = {name: x[name] + shift * (k[name] if k else 0.0) for name in names}
+                moved = {name: fitting(kinds[name], x[name] + shift * (k[name] if k else 0.0)) for name in names}
                 return self._derivatives(names, {**signals, **moved}, t + shift)
 
             k1 = slope(0.0, None)
             if self.cls.method == "euler":
-                x = {name: x[name] + h * k1[name] for name in names}
+                x = {name: fitting(kinds[name], x[name] + h * k1[name]) for name in names}
                 continue
             k2 = slope(h / 2, k1)
             k3 = slope(h / 2, k2)
             k4 = slope(h, k3)
-            x = {n: x[n] + h / 6 * (k1[n] + 2 * k2[n] + 2 * k3[n] + k4[n]) for n in names}
+            x = {n: fitting(kinds[n], x[n] + h / 6 * (k1[n] + 2 * k2[n] + 2 * k3[n] + k4[n])) for n in names}
         self.time = began
         moved = {**in_blocks, **x}
         return {name: moved[name] for name, _ in self.cls.derivatives}

@@ -6,9 +6,9 @@ The network says which states move so; what their coefficients are is found here
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
+from cspdiag.base.record import record
 from cspdiag.network.ir import expressions as ex
 from cspdiag.network.ir.expression_walk import signals_read
 
@@ -16,11 +16,11 @@ Matrix = dict[tuple[str, str], float]
 """Entries by row and column; those that are not there are zero whatever the coefficients are."""
 
 
-@dataclass(frozen=True)
+@record
 class Linear:
     """The sum of states with coefficients and of what is held, if there is any. «Linear plants»"""
 
-    terms: dict[str, float] = field(default_factory=dict)
+    terms: dict[str, float]
     rest: float | None = None
 
 
@@ -35,7 +35,7 @@ def linear(expression: ex.Expression, moving: Mapping[str, Any], value: Callable
         return linear(part, moving, value)
 
     if moving.keys().isdisjoint(signals_read(expression)):
-        return Linear(rest=value(expression))
+        return Linear({}, rest=value(expression))
     match expression:
         case ex.SignalValue():
             return moving[expression.name]

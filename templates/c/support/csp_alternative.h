@@ -151,11 +151,11 @@ static inline void csp_lower_bits(csp_guard *watchers)
 void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16_t count, csp_word *words,
                           bool prioritized);
 /* One call for every guard. `medium` is that of a csp_guarded_channel, csp_any_channel, csp_buffer, csp_broadcast or of a reading end. */
-void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size);
-void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *medium);
-void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size);
-void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *timer);
-void csp_guard_skip(csp_alternative *alternative, uint16_t index);
+void csp_guard_read(csp_alternative *alternative, uint32_t index, csp_medium *medium, void *value, size_t size);
+void csp_guard_ready(csp_alternative *alternative, uint32_t index, csp_medium *medium);
+void csp_guard_write(csp_alternative *alternative, uint32_t index, csp_medium *medium, void *value, size_t size);
+void csp_guard_after(csp_alternative *alternative, uint32_t index, csp_timer *timer);
+void csp_guard_skip(csp_alternative *alternative, uint32_t index);
 
 /* ---- Selection ---- */
 
@@ -163,8 +163,8 @@ void csp_guard_skip(csp_alternative *alternative, uint16_t index);
  * the durations of time-outs are set. */
 void csp_enable_all(csp_alternative *alternative);
 void csp_enable_none(csp_alternative *alternative);
-void csp_enable(csp_alternative *alternative, uint16_t index);
-static inline void csp_delay(csp_alternative *alternative, uint16_t index, int64_t duration)
+void csp_enable(csp_alternative *alternative, uint32_t index);
+static inline void csp_delay(csp_alternative *alternative, uint32_t index, int64_t duration)
 {
     alternative->guard[index].with.duration = duration;
 }

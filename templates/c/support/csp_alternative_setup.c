@@ -29,7 +29,7 @@ void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16
     }
 }
 
-void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size)
+void csp_guard_read(csp_alternative *alternative, uint32_t index, csp_medium *medium, void *value, size_t size)
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_INPUT;
@@ -39,7 +39,7 @@ void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *me
     csp_watch_input(guard);
 }
 
-void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *medium)
+void csp_guard_ready(csp_alternative *alternative, uint32_t index, csp_medium *medium)
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_READY;
@@ -47,7 +47,7 @@ void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *m
     csp_watch_input(guard);
 }
 
-void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size)
+void csp_guard_write(csp_alternative *alternative, uint32_t index, csp_medium *medium, void *value, size_t size)
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_OUTPUT;
@@ -57,7 +57,7 @@ void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *m
     csp_watch_output(guard);
 }
 
-void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *timer)
+void csp_guard_after(csp_alternative *alternative, uint32_t index, csp_timer *timer)
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_AFTER;
@@ -68,7 +68,7 @@ void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *ti
     alternative->quick = 0U;
 }
 
-void csp_guard_skip(csp_alternative *alternative, uint16_t index)
+void csp_guard_skip(csp_alternative *alternative, uint32_t index)
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_SKIP;
@@ -96,7 +96,7 @@ void csp_enable_none(csp_alternative *alternative)
     }
 }
 
-void csp_enable(csp_alternative *alternative, uint16_t index)
+void csp_enable(csp_alternative *alternative, uint32_t index)
 {
     if (alternative->more_enabled == NULL) {
         alternative->enabled |= bit_of(index);

@@ -15,7 +15,7 @@ from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.names import Names, identifier
 from cspdiag.codegen.c.text.statements import Block, Statement, define, store
 from cspdiag.codegen.shared.equations import changes, read_after_change, signals, values
-from cspdiag.model.types import RealType, Type
+from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
@@ -181,7 +181,8 @@ class _Run:
         assert action.sample is not None
         statements: list[Statement] = []
         for state in integration.states:
-            statements.append(define("double", integration.local(state), self.printer.signal(state)))
+            type_name = self.printer.types.type_name(self.types_of[state])
+            statements.append(define(type_name, integration.local(state), self.printer.signal(state)))
         sample = self.printer.plain(action.sample)
         count: Code | None = None
         if action.step is None:
@@ -195,6 +196,5 @@ class _Run:
         statements += [*integration.check(places, self.check), *following]
         for state in integration.states:
             integrated = code(integration.local(state))
-            single = self.types_of[state] == RealType(32)
-            statements.append(store(self.printer.signal(state), cast("float", integrated) if single else integrated))
+            statements.append(store(self.printer.signal(state), integrated))
         return [Block(tuple(statements))]

@@ -28,8 +28,9 @@ from cspdiag.codegen.c.text.statements import (
     Statement,
     define,
     return_value,
+    store,
 )
-from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
+from cspdiag.codegen.shared.equations import Equation, is_single, needed, signals, uses_time, values
 from cspdiag.model.types import Type
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, VariableValue
@@ -101,8 +102,8 @@ class Integration:
             members = tuple(define("double", self.local(state)) for state in self.states)
             statements += [Block(members, f"struct {self.name}", "};"), Blank()]
         parameters = [f"const struct {self.owner} *self"] if self._needs_owner else []
-        parameters += [f"double {self.local(state)}" for state in self._states_read]
-        parameters += [f"{printer.types.type_name(self.types[name])} {self.local(name)}" for name in self._held_read]
+        given = [*self._states_read, *self._held_read]
+        parameters += [f"{printer.types.type_name(self.types[name])} {self.local(name)}" for name in given]
         parameters += ["double time"] if self.depends_on_time else []
         equations: list[Equation] = list(needed(self.equations, signals((self.derivatives,))))
         signal_types = {equation.name: equation.type for equation in self.equations}
@@ -173,7 +174,13 @@ class Integration:
         return define(type_name, stage, call(self.name, *arguments))
 
     def _increment(self, state: str, by: Code) -> Plain:
-        return Plain(Assignment(code(self.local(state)), by, "+="))
+        local = code(self.local(state))
+        if is_single(self.types[state]):
+            return store(local, self._rounded(state, infix("+", SUM, local, by)))
+        return Plain(Assignment(local, by, "+="))
+
+    def _rounded(self, state: str, value: Code) -> Code:
+        return cast("float", value) if is_single(self.types[state]) else value
 
     def _euler(self, shared: list[Code], held: list[Code]) -> list[Statement]:
         states: list[Code] = [code(self.local(state)) for state in self._states_read]
@@ -188,9 +195,10 @@ class Integration:
             at: list[Code] = [code(self.local(state)) for state in self._states_read]
             time: Code = Atom("t")
             if fraction:
+                moved = [infix("*", PRODUCT, Atom(fraction), self._slope(f"k{stage}", s)) for s in self._states_read]
                 at = [
-                    infix("+", SUM, there, infix("*", PRODUCT, Atom(fraction), self._slope(f"k{stage}", state)))
-                    for there, state in zip(at, self._states_read, strict=True)
+                    self._rounded(state, infix("+", SUM, there, by))
+                    for state, there, by in zip(self._states_read, at, moved, strict=True)
                 ]
                 time = infix("+", SUM, time, Atom(fraction))
             statements.append(self._evaluated(f"k{stage + 1}", at, time, shared, held))

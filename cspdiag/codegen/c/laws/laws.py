@@ -346,10 +346,7 @@ class LawFiles:
         """The assignments of continuous states, which follow those of the discrete ones: nothing can fault then."""
         statements: list[Statement] = []
         for name in self._continuous if self.class_.derivatives else ():
-            integrated, type_name = code(self.members[name]), self.types.type_name(self.signal_types[name])
-            statements.append(
-                store(own(self.members[name]), integrated if type_name == "double" else cast(type_name, integrated))
-            )
+            statements.append(store(own(self.members[name]), code(self.members[name])))
         return statements
 
     def _hoisted(self) -> list[str]:

@@ -326,10 +326,7 @@ class EnvironmentFiles:
         statements += check_finite_together(
             tested, self._writer(printer).check, may_have_faulted=self._integration.can_fault
         )
-        for state in states:
-            single = self.types.type_name(self._signal_types[state]) == "float"
-            variable = code(self._members[state])
-            statements.append(store(self._signal(state), cast("float", variable) if single else variable))
+        statements += [store(self._signal(state), code(self._members[state])) for state in states]
         return statements
 
     def _evaluate(self) -> Function:

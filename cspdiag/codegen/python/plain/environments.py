@@ -259,7 +259,7 @@ class EnvironmentWriter:
         instant.
         """
         in_stages = evaluated_in_stages(system)
-        integration = Integration(in_stages, self.names, self._place)
+        integration = Integration(in_stages, self.names, self._place, self.imports)
         equations, wanted = self._wanted(system)
         given = [name for name in inputs(system) if name in wanted]
         continuous = [state.name for state in system.states if state.continuous]
@@ -395,7 +395,7 @@ class EnvironmentWriter:
 
     def _derivatives(self, system: SubmodelClass) -> Function:
         """The method that the integration calls."""
-        integration = Integration(system, self.names, self._place)
+        integration = Integration(system, self.names, self._place, self.imports)
         moving = [state.name for state in system.states if state.continuous]
         moving += [equation.name for equation in system.derivative_equations]
         printer = self._printer([*integration.held, *moving])

@@ -19,9 +19,11 @@ from cspdiag.codegen.python.text.code import (
     infix,
     own,
 )
+from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import For, Function, Statement, Statements, assign, change, return_, unpack
-from cspdiag.codegen.shared.equations import changes, held, needed, signals, uses_time
+from cspdiag.codegen.shared.equations import changes, held, is_single, needed, signals, uses_time
+from cspdiag.model.types import Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.faults import may_fault
@@ -38,6 +40,7 @@ class Integration:
     class_: SubmodelClass
     names: Names
     place: Callable[[Declared], str]
+    imports: Imports
 
     @property
     def states(self) -> list[str]:
@@ -103,7 +106,7 @@ class Integration:
 
     def _euler(self) -> Statements:
         slopes = self._slopes("slope")
-        moved = [change(state, "+=", _times("h", slope)) for state, slope in zip(self.states, slopes, strict=True)]
+        moved = [self._moved(at, _times("h", slope)) for at, slope in enumerate(slopes)]
         return (self._evaluated(slopes, [Name(state) for state in self.states], Name("t")), *moved)
 
     def _runge_kutta(self) -> Statements:
@@ -114,17 +117,31 @@ class Integration:
             fraction = ("", "half", "half", "h")[stage]
             if fraction:
                 before = stages[stage - 1]
-                at = [_plus(state, fraction, slope) for state, slope in zip(states, before, strict=True)]
+                at = [self._rounded(at, _plus(states[at], fraction, slope)) for at, slope in enumerate(before)]
                 time = infix("+", SUM, Name("t"), Name(fraction))
                 statements.append(self._evaluated(slopes, at, time))
             else:
                 statements.append(self._evaluated(slopes, [Name(state) for state in states], Name("t")))
-        for position, state in enumerate(states):
+        for position in range(len(states)):
             k1, k2, k3, k4 = (slopes[position] for slopes in stages)
             total = infix("+", SUM, Name(k1), _times(Constant("2.0"), k2))
             total = infix("+", SUM, infix("+", SUM, total, _times(Constant("2.0"), k3)), Name(k4))
-            statements.append(change(state, "+=", infix("*", PRODUCT, Name("sixth"), total)))
+            statements.append(self._moved(position, infix("*", PRODUCT, Name("sixth"), total)))
         return tuple(statements)
+
+    def _moved(self, position: int, by: Code) -> Statement:
+        """The state at this position, moved."""
+        state = self.states[position]
+        if not is_single(self._types[position]):
+            return change(state, "+=", by)
+        return assign(state, self._rounded(position, infix("+", SUM, Name(state), by)))
+
+    def _rounded(self, position: int, value: Code) -> Code:
+        return rounded(value, self._types[position], self.imports)
+
+    @property
+    def _types(self) -> list[Type]:
+        return [state.type for state in self.class_.states if state.continuous]
 
     def _slopes(self, prefix: str) -> list[str]:
         if len(self.states) == 1:
@@ -134,6 +151,11 @@ class Integration:
     def _evaluated(self, slopes: Sequence[str], at: Sequence[Code], time: Code) -> Statement:
         arguments = [*at, *(Name(self.names[name]) for name in self.held), *([time] if self.timed else [])]
         return unpack([Name(slope) for slope in slopes], call(own(self.method), *arguments))
+
+
+def rounded(value: Code, type_: Type, imports: Imports) -> Code:
+    """What a state of this type becomes."""
+    return call(imports.runtime("float32"), value) if is_single(type_) else value
 
 
 def begin_of_step() -> Code:

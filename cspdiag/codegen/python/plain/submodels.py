@@ -77,7 +77,7 @@ class _SubmodelWriter:
         taken = {self.names[name] for name in self.types}
         self.imports = Imports(names, taken=taken | INTEGRATION)
         self.constants = constants_needed(class_)
-        self.integration = Integration(class_, self.names, self._place)
+        self.integration = Integration(class_, self.names, self._place, self.imports)
         self.attributes = self._attributes()
         self.place = names.place(class_.span.file, class_.span.line)
 

@@ -13,10 +13,11 @@ from typing import Literal
 from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.statements import assigned
+from cspdiag.codegen.python.plain.integration import rounded
 from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Constant, Name, infix
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import Statement, assign, change
-from cspdiag.codegen.shared.equations import needed, signals, uses_time
+from cspdiag.codegen.shared.equations import is_single, needed, signals, uses_time
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
@@ -67,7 +68,14 @@ class InlineIntegration:
         for stage in range(stages):
             yield from self._stage(stage, slopes)
         for state, *k in zip(self.states, *slopes, strict=True):
-            yield change(self.local(state), "+=", self._advance(k))
+            local, by = self.local(state), self._advance(k)
+            if is_single(self.changes[state].type):
+                yield assign(local, self._rounded(state, infix("+", SUM, Name(local), by)))
+            else:
+                yield change(local, "+=", by)
+
+    def _rounded(self, state: str, value: Code) -> Code:
+        return rounded(value, self.changes[state].type, self.printer.imports)
 
     def _stage(self, stage: int, slopes: Sequence[Sequence[str]]) -> Iterable[Statement]:
         fraction = (None, self.step.half, self.step.half, self.step.whole)[stage]
@@ -77,7 +85,7 @@ class InlineIntegration:
             for name, slope in zip(self.states, slopes[stage - 1], strict=True):
                 if name in self._between:
                     moved = infix("*", PRODUCT, fraction, Name(slope))
-                    yield assign(at[name], infix("+", SUM, Name(self.local(name)), moved))
+                    yield assign(at[name], self._rounded(name, infix("+", SUM, Name(self.local(name)), moved)))
         outer = self.printer.signal
 
         def signal(name: str) -> Code:
