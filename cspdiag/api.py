@@ -88,12 +88,18 @@ class LoadedProgram:
             return None
 
     @cached_property
+    def _findings(self) -> pipeline.Checked:
+        return pipeline.check(self.source, read_source, for_findings=True)
+
+    @cached_property
     def _checked(self) -> pipeline.Checked:
-        return pipeline.check(self.source, read_source)
+        found = self._findings
+        is_whole = found.analysis is not None or bool(found.report.diagnostics)
+        return found if is_whole else pipeline.check(self.source, read_source)
 
     def check(self) -> list[Diagnostic]:
         """All errors and warnings, by file and place; empty if there are none."""
-        return self._checked.report.diagnostics
+        return self._findings.report.diagnostics
 
     @cached_property
     def network(self) -> CoreNetwork:

@@ -11,8 +11,10 @@ import cspdiag
 from cspdiag.api import ProgramError
 from cspdiag.network.lower.program import SelectionError
 from cspdiag.settings import SettingError, parse_duration, split_setting
+from tests.support.counting import lines
 
 JIWY = Path(__file__).parents[2] / "models/jiwy/jiwy.csp"
+NETWORKS = Path(__file__).parents[2] / "benchmarks/networks"
 
 
 @pytest.fixture
@@ -38,6 +40,15 @@ def test_a_program_runs_with_settings() -> None:
     assert len(instants) == 25
     assert instants[1] - instants[0] == pytest.approx(0.002)
     assert len(program.run(until="50 ms").time("feedback_vertical")) == 50
+
+
+def test_a_large_array_is_checked_by_fewer_elements_and_built_with_all() -> None:
+    text = (NETWORKS / "ring.csp").read_text(encoding="utf-8")
+    small, large = (cspdiag.parse(text.replace("size = 1000", f"size = {size}")) for size in (400, 4000))
+    few, many = (lines(program.check) for program in (small, large))
+    assert many < 2 * few
+    assert large.check() == []
+    assert len(small.network.instances) > 400
 
 
 def test_errors_are_reported(broken: Path) -> None:
