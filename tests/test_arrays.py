@@ -20,6 +20,7 @@ from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
 from cspdiag.proofs.properties.cycles import endless_run
 from cspdiag.proofs.transitions import transition_system
 from cspdiag.proofs.verdict import Limits
+from cspdiag.simulate.record.modes import mode_groups
 from tests.support.counting import lines
 from tests.support.verifying import answers_to
 
@@ -69,6 +70,14 @@ def test_generators_take_the_same_for_each_element(name: str, target: str, level
         return lambda: pipeline.generate(made, read_source, target, level)
 
     assert growth(generating) < MOST_GROWTH
+
+
+def test_the_groups_of_a_summary_take_the_same_for_each_element() -> None:
+    def grouping(count: int) -> Callable[[], object]:
+        made = network("star", count)
+        return lambda: mode_groups(made)
+
+    assert growth(grouping) < MOST_GROWTH
 
 
 def test_outputs_are_followed_only_where_a_variable_depends_on_them() -> None:

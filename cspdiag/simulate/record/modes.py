@@ -35,7 +35,25 @@ def mode_groups(network: CoreNetwork) -> tuple[ModeGroup, ...]:
     top = network.class_named(network.top)
     if not isinstance(top, ProcessClass) or top.body is None:
         return ()
-    return tuple(_group(network, top, branch) for branch in _branches(top.body))
+    found = _Found(network)
+    return tuple(_group(found, top, branch) for branch in _branches(top.body))
+
+
+class _Found:
+    """What is found in a network once, for all its groups."""
+
+    def __init__(self, network: CoreNetwork) -> None:
+        self.top = network.top
+        self.nets = [net for net in network.nets if net.external is not None]
+        self._classes = {class_.name: class_ for class_ in network.classes}
+        self._processes: dict[str, dict[str, ProcessClass[act.CoreAction]]] = {}
+
+    def processes(self, enclosing: ProcessClass) -> dict[str, ProcessClass[act.CoreAction]]:
+        """The classes of the processes that a process owns."""
+        if enclosing.name not in self._processes:
+            classes = ((instance.name, self._classes[instance.class_name]) for instance in enclosing.instances)
+            self._processes[enclosing.name] = {name: one for name, one in classes if isinstance(one, ProcessClass)}
+        return self._processes[enclosing.name]
 
 
 def _branches(body: act.CoreAction) -> tuple[act.CoreAction, ...]:
@@ -60,15 +78,12 @@ def _is_parallel(step: act.CoreAction) -> bool:
     return isinstance(step, act.ParallelSteps)
 
 
-def _group(network: CoreNetwork, top: ProcessClass, branch: act.CoreAction) -> ModeGroup:
+def _group(found: _Found, top: ProcessClass, branch: act.CoreAction) -> ModeGroup:
     members = tuple(dict.fromkeys(instances_run(branch)))
-    name = branch.label if isinstance(branch, act.Group) else _common_name(members, network.top)
-    ports = tuple(
-        net.path.partition(".")[2]
-        for net in network.nets
-        if net.external is not None and _uses(net, {f"{network.top}.{member}" for member in members})
-    )
-    return ModeGroup(name, dict(_modes(network, top, network.top, branch)), ports)
+    name = branch.label if isinstance(branch, act.Group) else _common_name(members, found.top)
+    paths = {f"{found.top}.{member}" for member in members}
+    ports = tuple(net.path.partition(".")[2] for net in found.nets if _uses(net, paths))
+    return ModeGroup(name, dict(_modes(found, top, found.top, branch)), ports)
 
 
 def _common_name(members: tuple[str, ...], otherwise: str) -> str:
@@ -84,19 +99,16 @@ def _uses(net: Net, paths: set[str]) -> bool:
     return any(inside(path) for path, _ in (*net.readers, *net.writers))
 
 
-def _modes(
-    network: CoreNetwork, enclosing: ProcessClass, path: str, action: act.CoreAction
-) -> Iterator[tuple[str, str]]:
+def _modes(found: _Found, enclosing: ProcessClass, path: str, action: act.CoreAction) -> Iterator[tuple[str, str]]:
     """Processes that are run one after the other in ``action``; of a single one, those inside it."""
-    classes = {instance.name: network.class_named(instance.class_name) for instance in enclosing.instances}
-    processes = [name for name in dict.fromkeys(instances_run(action)) if isinstance(classes[name], ProcessClass)]
+    classes = found.processes(enclosing)
+    processes = [name for name in dict.fromkeys(instances_run(action)) if name in classes]
     groups = [step.label for step in parts(action) if isinstance(step, act.Group) and step is not action]
     if groups:
         yield from ((f"{path}.{label}", label) for label in groups)
     elif len(processes) == 1:
         inner = classes[processes[0]]
-        assert isinstance(inner, ProcessClass)
-        below = list(_modes(network, inner, f"{path}.{processes[0]}", inner.body)) if inner.body is not None else []
+        below = list(_modes(found, inner, f"{path}.{processes[0]}", inner.body)) if inner.body is not None else []
         yield from below or [(f"{path}.{processes[0]}", processes[0])]
     else:
         yield from ((f"{path}.{name}", name) for name in processes)
