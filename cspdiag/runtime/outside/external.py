@@ -65,7 +65,7 @@ class _ExternalOutput(Out[T]):
 class SampledOutput(_ExternalOutput[T], Generic[T]):
     """A sampled output: the last value written in a period is handed over at its tick, or at once if ``immediate``."""
 
-    __slots__ = ("immediate", "latched", "ticks", "writer", "written")
+    __slots__ = ("has_ticks", "immediate", "latched", "ticks", "writer", "written")
 
     def __init__(
         self,
@@ -79,6 +79,7 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
     ) -> None:
         super().__init__(name, driver, safe)
         self.ticks = Ticks(period, offset)
+        self.has_ticks = not immediate
         self.immediate = immediate or isinstance(driver, Supply)
         self.written = False
         self.latched: Any = None

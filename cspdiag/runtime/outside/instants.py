@@ -89,7 +89,13 @@ class Instants:
         self._ports = tuple(ports)
         self._environment = environment
         self._advance: Callable[[int], object] = _nothing if environment is None else environment.advance
-        self._sampled = sorted({port.ticks for port in ports if isinstance(port, SampledInput | SampledOutput)})
+        self._sampled = sorted(
+            {
+                port.ticks
+                for port in ports
+                if isinstance(port, SampledInput) or (isinstance(port, SampledOutput) and port.has_ticks)
+            }
+        )
         self.periods = tuple(dict.fromkeys(ticks.period for ticks in self._sampled))
         self._grid = self._grid_of(environment)
         self._cycles = sorted({*self._sampled, *([Ticks(self._grid)] if self._grid else [])})
