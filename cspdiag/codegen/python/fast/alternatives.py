@@ -114,7 +114,7 @@ class Alternatives(Values):
         mask: Code | None = None
         if any(branch.condition is not None for branch in branches):
             needs = self._needs(branches)
-            yield from needs.lines
+            yield from self._evaluated(needs, choice)
             mask = self.spelling["mask"]
             yield assign(mask, self._mask(needs.conditions))
         yield self._ready(guards, mask)
@@ -221,7 +221,7 @@ class Alternatives(Values):
         needs = self._needs(choice.branches)
         selected = delegated(Call(local.field("select"), tuple(select_arguments(choice.branches, needs))))
         yield from self.set_current_task()
-        yield from needs.lines
+        yield from self._evaluated(needs, choice)
         yield run(selected) if len(choice.branches) == 1 else assign(self.spelling["k"], selected)
 
         def taken(event: ir.Event, _: int) -> Statements:
@@ -230,6 +230,12 @@ class Alternatives(Values):
             return self.read_into(event, lambda into: (assign(into, local.field("value")),))
 
         yield from self._chosen(choice.branches, taken)
+
+    def _evaluated(self, needs: Guards, choice: ir.Choice) -> Iterator[Statement]:
+        """The lines that guards need. They have places of their own; an alternative waits at its own place."""
+        yield from needs.lines
+        if needs.lines:
+            yield self.comment(choice, "")
 
     def _needs(self, branches: Sequence[ir.Branch], *, always: bool = False) -> Guards:
         """The values that guards need, evaluated when the alternative begins."""
