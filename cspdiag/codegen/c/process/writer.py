@@ -35,10 +35,14 @@ from cspdiag.codegen.c.text.statements import (
     store,
 )
 from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import Action, InterruptOn, ParallelSteps, RunInstance, Step
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
+
+MOST_PLACES = 60_000
+"""The kernel numbers the places where a process waits, and those of its handlers, with 16 bits."""
 
 
 @dataclass
@@ -186,6 +190,11 @@ class Writer:
         self, step: Step, state: str, waiting: Waiting, member: Code | None = None, *, indirect: bool = False
     ) -> str:
         """The name of a new state in which the process waits; a failure there continues at the present handler."""
+        if len(self.current.places) == MOST_PLACES:
+            raise TargetError(
+                f"{step.span}: the process waits at more than {MOST_PLACES} places: C numbers them with 16 bits\n"
+                "  help: divide it into several processes"
+            )
         self.handler.is_entered_by_kernel = True
         name = self.states.fresh(snake_case(self.prefixed(state)).upper())
         self.current.places.append(

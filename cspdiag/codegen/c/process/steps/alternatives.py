@@ -34,9 +34,12 @@ from cspdiag.codegen.c.text.statements import (
     run,
     store,
 )
+from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.actions import AfterEvent, Branch, Choice, Event, InputEvent, OutputEvent, ReadyEvent, SkipEvent
 from cspdiag.network.ir.faults import is_known_at_start
 
+MOST_GUARDS = 65_535
+"""The kernel numbers guards with 16 bits."""
 _MAX_TESTED_BRANCHES = 8
 """Up to this number of branches an ``if`` tests each in turn; with more, a ``switch`` jumps to the chosen one."""
 
@@ -70,6 +73,11 @@ class _Body:
 
 def choice(writer: Writer, step: Choice) -> list[Statement]:
     """Chooses one of the guards that are ready, and continues with its process."""
+    if len(step.branches) > MOST_GUARDS:
+        raise TargetError(
+            f"{step.span}: an alternative of {len(step.branches)} guards: C numbers them with 16 bits, which is enough "
+            f"for {MOST_GUARDS}\n  help: let several processes choose, each among a part of them"
+        )
     name = writer.members.names.fresh(step.name)
     member = own(name)
     alternative = address(member.field("alternative"))
