@@ -88,8 +88,12 @@ class _Alarm:
                 pass
 
     def restore(self) -> None:
-        """Report again what fails where it cannot be caught."""
+        """Report again what fails where it cannot be caught, and wait for the thread.
+
+        It ends here also if ``stop`` was never reached, because a further ring cut off what comes before.
+        """
         sys.unraisablehook = self._hook
+        self._over.set()
         if self._thread.is_alive():
             self._thread.join()
 

@@ -217,12 +217,15 @@ class _FastEnvironmentWriter(EnvironmentWriter):
     def _names_of_matrices(self, step: LinearStep) -> Iterable[str]:
         yield from super()._names_of_matrices(step)
         for i, row in enumerate(step.block.rows):
-            yield from (self._entries(step.m)(i, j).flat for j in row.of)
-            yield from (self._entries(step.n)(i, j).flat for j in row.held)
+            yield from (self._entry(step.m, i, j) for j in row.of)
+            yield from (self._entry(step.n, i, j) for j in row.held)
 
     def _entries(self, matrix: str) -> MatrixEntry:
         """The entries of a matrix as local variables."""
-        return lambda row, column: Name(self.names[f"{matrix}{row}{column}"])
+        return lambda row, column: Name(self._entry(matrix, row, column))
+
+    def _entry(self, matrix: str, row: int, column: int) -> str:
+        return self.names[f"{matrix}{row}{column}"]
 
     def _divided(self, system: SubmodelClass, elapsed: Code) -> Iterable[Statement]:
         """The length of a sub-step, which depends on the time between instants; that rarely changes."""
