@@ -53,6 +53,16 @@ class RealType:
         return name if self.unit == DIMENSIONLESS else f"{name}<{self.unit}>"
 
 
+def is_single(kind: Type) -> bool:
+    """Whether a type is that of reals in binary32."""
+    return isinstance(kind, RealType) and kind.bits == 32
+
+
+def is_double(kind: Type) -> bool:
+    """Whether a type is that of reals in binary64."""
+    return isinstance(kind, RealType) and kind.bits == 64
+
+
 @record
 class TimeType:
     """``time``: a duration in integer nanoseconds."""

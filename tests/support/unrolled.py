@@ -107,7 +107,7 @@ class Repeated(NamedTuple):
         """The parts with the value of each index, in the order of a loop."""
         for i in range(_value(self.times, size, 0)):
             for part in self.parts:
-                yield re.sub(INDEX, lambda found: str(_value(found[1], size, i)), part)  # noqa: B023
+                yield re.sub(INDEX, lambda found: str(_value(found[1], size, i)), part)  # noqa: B023 - called at once
 
 
 class Topology(NamedTuple):

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import replaced
-from cspdiag.model.types import RealType, Type
+from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, ParameterValue, PresentTime, SignalValue
@@ -104,11 +104,6 @@ def changes(class_: ProcessClass | SubmodelClass, run: RunLaw | None = None) -> 
         for state in class_.states
         if changed is None or state.name in changed
     }
-
-
-def is_single(type_: Type) -> bool:
-    """Whether values are binary32: a state of this type is rounded in each stage and after each step of integration."""
-    return isinstance(type_, RealType) and type_.bits == 32
 
 
 def read_after_change(next_values: Iterable[tuple[str, Expression]]) -> dict[str, int]:

@@ -9,12 +9,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
-from cspdiag.model.types import DOUBLE
+from cspdiag.model.types import DOUBLE, is_double
 from cspdiag.network.ir.equations import LinearBlock, SubmodelEquation
 from cspdiag.network.ir.expression_walk import signals_read
 from cspdiag.network.ir.expressions import Expression, LiteralValue, SignalValue
 from cspdiag.network.submodels.draft import Draft
-from cspdiag.network.submodels.linear_form import ONE, LinearForm, LinearForms, NotLinearError, is_double
+from cspdiag.network.submodels.linear_form import ONE, LinearForm, LinearForms, NotLinearError
 
 MOST_STATES = 8
 """The number of states that a matrix may have: a larger one is computed from its derivatives."""

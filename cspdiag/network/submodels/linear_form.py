@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import assert_never
 
 from cspdiag.base.record import record
-from cspdiag.model.types import DOUBLE, RealType, Type
+from cspdiag.model.types import DOUBLE, is_double
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
     ArrayElements,
@@ -163,11 +163,6 @@ class LinearForms:
         if value is None:
             raise NotLinearError
         return LiteralValue(type=DOUBLE, value=value)
-
-
-def is_double(kind: Type) -> bool:
-    """Whether a type is that of reals in binary64."""
-    return isinstance(kind, RealType) and kind.bits == 64
 
 
 def _made(whole: BinaryOperation, left: Expression, right: Expression) -> Expression:

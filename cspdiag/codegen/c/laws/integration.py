@@ -30,8 +30,8 @@ from cspdiag.codegen.c.text.statements import (
     return_value,
     store,
 )
-from cspdiag.codegen.shared.equations import Equation, is_single, needed, signals, uses_time, values
-from cspdiag.model.types import Type
+from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
+from cspdiag.model.types import Type, is_single
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir.faults import may_fault

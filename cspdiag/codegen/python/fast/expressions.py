@@ -47,6 +47,7 @@ from cspdiag.model.types import (
     TimeType,
     Type,
     UnknownType,
+    is_single,
 )
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.expressions import (
@@ -288,7 +289,7 @@ class FastPrinter(Printer):
 
     def _function(self, expression: FunctionCall) -> Code:
         kind = expression.type
-        rounded = isinstance(kind, RealType) and kind.bits == 32 and expression.function in ROUNDED_FUNCTIONS
+        rounded = is_single(kind) and expression.function in ROUNDED_FUNCTIONS
         inlined = self._inlined(expression)
         if inlined is None:
             return super()._function(expression)

@@ -39,6 +39,7 @@ from cspdiag.model.types import (
     TimeType,
     Type,
     UnknownType,
+    is_single,
 )
 from cspdiag.network.ir.expressions import (
     ArrayElements,
@@ -163,8 +164,7 @@ class Printer:
 
     def _checked(self, expression: Expression, code: Code) -> Code:
         """``code``, with a check of the range of its type where it may be exceeded."""
-        is_single = isinstance(expression.type, RealType) and expression.type.bits == 32
-        checked = "float32" if is_single else range_check(expression)
+        checked = "float32" if is_single(expression.type) else range_check(expression)
         return code if checked is None else call(self.imports.runtime(checked), code)
 
     def _function(self, expression: FunctionCall) -> Code:
