@@ -5,13 +5,16 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from importlib import import_module
-from threading import Timer
 from typing import Any, Protocol, TypeAlias
 
 MISSING = "no SAT solver is installed (pip install 'cspdiag[verify]')"
 
 Clause: TypeAlias = list[int]
 """A disjunction of literals: the positive number of a variable, or its negation."""
+
+
+_FIRST_PROPAGATIONS = 100_000
+"""After which a solver looks at the clock for the first time: some hundredths of a second."""
 
 
 class Solver(Protocol):
@@ -49,7 +52,11 @@ def find_solver() -> Callable[[float], Solver] | None:
 
 
 class _PySat:
-    """MiniSat 2.2 of python-sat: incremental and interruptible."""
+    """MiniSat 2.2 of python-sat: incremental, and limited by a number of propagations.
+
+    It starts no thread to interrupt it: the alarm of the time limit may ring at any instruction, and where it cut off
+    the start of a thread, that thread would be left behind, or awaited for ever.
+    """
 
     @staticmethod
     def load() -> Any:
@@ -57,23 +64,36 @@ class _PySat:
 
     def __init__(self, seconds: float) -> None:
         self._solver = self.load().Minisat22()
-        self._timer = Timer(max(seconds, 0.0), self._solver.interrupt)
-        self._timer.daemon = True
-        self._timer.start()
+        self._end = time.monotonic() + seconds
 
     def add(self, clauses: list[Clause]) -> None:
         self._solver.append_formula(clauses, no_return=True)
 
     def solve(self, assumed: Clause) -> set[int] | None:
-        answer = self._solver.solve_limited(assumptions=assumed, expect_interrupt=True)
-        if answer is None:
-            raise SolverTimeoutError
+        answer = self._answer(assumed)
         if not answer:
             return None
         return {literal for literal in self._solver.get_model() if literal > 0}
 
+    def _answer(self, assumed: Clause) -> bool:
+        """Search in ever longer parts, each of which keeps the clauses learned before.
+
+        The lengths depend on the clock only where the time would be exceeded, so that answers are the same in each run.
+        """
+        propagations, length = float(_FIRST_PROPAGATIONS), 0.0
+        while (left := self._end - time.monotonic()) > 0.0:
+            if length > left:
+                propagations *= left / length
+            self._solver.prop_budget(max(1, int(propagations)))
+            begin = time.monotonic()
+            answer = self._solver.solve_limited(assumptions=assumed, expect_interrupt=True)
+            if answer is not None:
+                return bool(answer)
+            propagations *= 2
+            length = 2 * (time.monotonic() - begin)
+        raise SolverTimeoutError
+
     def close(self) -> None:
-        self._timer.cancel()
         self._solver.delete()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 
 import pytest
@@ -134,3 +135,12 @@ def test_the_solver_has_no_more_memory_than_the_limit_says() -> None:
 def test_the_time_limit_makes_the_answer_unknown() -> None:
     verdict = by_invariants(StuckQuestion(table_with_butler(5, 4), together=True), Limits(seconds=0.0))
     assert isinstance(verdict, Unknown)
+
+
+def test_no_solver_starts_a_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The alarm of the time limit may cut off what starts it, which would leave the thread behind.
+    monkeypatch.setattr(threading.Thread, "start", lambda _: pytest.fail("a thread was started"))
+    assert isinstance(by_sat(StuckQuestion(table_with_butler(5, 4), together=True), Limits()), Unknown)
+    problem = problem_of(Structure(known.philosophers(3)))
+    with WeightsProcess(problem, Limits()) as process:
+        process.weights([0] * len(problem.places))

@@ -1,22 +1,26 @@
 """The solver for weights, in an operating-system process that can be ended at any time: ``python -m
-cspdiag.proofs.sat.invariants.process``.
+cspdiag.proofs.sat.invariants.process SECONDS``.
 
 The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line. It uses
-no more memory than it is given: if it needs more it ends without an answer.
+no more memory than it is given: if it needs more it ends without an answer. It ends itself after so many seconds,
+because a thread to end it could not be started safely where the alarm of the time limit may ring.
 """
 
 from __future__ import annotations
 
+import faulthandler
 import json
 import subprocess
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from threading import Timer
 from typing import Any
 
 from cspdiag.proofs.sat.invariants.problem import Problem
 from cspdiag.proofs.verdict import Limits
+
+LONGEST = 1e9
+"""Seconds: about the longest time limit that operating systems know."""
 
 MARGIN = 1e-9
 """Weights nearer to 0 than this are 0."""
@@ -31,14 +35,11 @@ class WeightsProcess:
         self._problem = problem
         self._limits = limits
         self._process: subprocess.Popen[str] | None = None
-        self._timer: Timer | None = None
 
     def __enter__(self) -> WeightsProcess:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
         if self._process is not None:
             self._process.kill()
             self._process.communicate()
@@ -63,12 +64,9 @@ class WeightsProcess:
     def _started(self) -> subprocess.Popen[str]:
         if self._process is None:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", __name__],
+                [sys.executable, "-m", __name__, str(self._limits.remaining)],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
             )  # fmt: skip
-            self._timer = Timer(max(self._limits.remaining, 0.0), self._process.kill)
-            self._timer.daemon = True
-            self._timer.start()
             assert self._process.stdin is not None
             problem = self._problem
             start = [places[state] for places, state in zip(problem.places, problem.initial, strict=True)]
@@ -153,7 +151,9 @@ def limit_memory(more: int) -> None:
 
 
 def main() -> None:
-    """Answers candidates until the input ends."""
+    """Answers candidates until the input ends, or the time is up."""
+    # This ends the process also where the solver keeps the interpreter busy, and needs no signals.
+    faulthandler.dump_traceback_later(min(max(float(sys.argv[1]), 0.001), LONGEST), exit=True)
     # Loaded before the limit is set, so the libraries do not count.
     import_module("scipy.optimize")
     problem = json.loads(sys.stdin.readline())
