@@ -55,7 +55,7 @@ class _PySat:
     """MiniSat 2.2 of python-sat: incremental, and limited by a number of propagations.
 
     It starts no thread to interrupt it: the alarm of the time limit may ring at any instruction, and where it cut off
-    the start of a thread, that thread would be left behind, or awaited for ever.
+    the start of a thread, that thread would be left behind, or awaited forever.
     """
 
     @staticmethod

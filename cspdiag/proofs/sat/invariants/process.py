@@ -2,7 +2,7 @@
 cspdiag.proofs.sat.invariants.process SECONDS``.
 
 The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line. It uses
-no more memory than it is given: if it needs more it ends without an answer. It ends itself after so many seconds,
+no more memory than it is given: if it needs more it ends without an answer. It ends itself after those seconds,
 because a thread to end it could not be started safely where the alarm of the time limit may ring.
 """
 
