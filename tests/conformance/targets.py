@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
+from zlib import crc32
 
 from cspdiag import pipeline
 from cspdiag.codegen import target_errors
@@ -167,6 +169,51 @@ class NativeSimulation:
         return None
 
 
+STEPS = Path(__file__).parent / "random_steps.c"
+
+
+@dataclass(frozen=True)
+class SteppedSimulation:
+    """The same C, advanced in steps of random lengths by ``random_steps.c``, which takes the place of ``csp_run``."""
+
+    level: int
+    other_library: bool = False
+    inside: bool = True
+
+    @property
+    def name(self) -> str:
+        """See ``Target.name``."""
+        return f"c-O{self.level}-steps"
+
+    def unavailable(self) -> str | None:
+        """See ``Target.unavailable``."""
+        return NativeSimulation(self.level).unavailable()
+
+    def run(self, network: Network, environment: str | None, until: int) -> Execution:
+        """See ``Target.run``."""
+        seed = crc32(f"{network.top} {environment} {len(network.instances)}".encode())
+        program = f"#define SEED UINT64_C({seed})\n{STEPS.read_text(encoding='utf-8')}"
+        try:
+            built = native.build_program(
+                network,
+                read,
+                level=self.level,
+                environment=environment,
+                fused=True,
+                options=("-O0", *WARNINGS),
+                replaced={"support/csp_run.c": program},
+            )
+        except target_errors() as problem:
+            raise RefusedError(str(problem)) from problem
+        return execution(built.run(until=until))
+
+    def waits(
+        self, network: Network, environment: str | None, until: int, communication: int
+    ) -> tuple[str, ...] | None:
+        """See ``Target.waits``."""
+        return None
+
+
 def execution(run: Run) -> Execution:
     """What a run has recorded."""
     outcome = run.outcome
@@ -236,6 +283,7 @@ TARGETS: Mapping[str, Target] = {
         NativeSimulation(0),
         NativeSimulation(1),
         NativeSimulation(1, observed=True),
+        SteppedSimulation(0),
     )
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from io import BufferedIOBase
 from pathlib import Path
@@ -87,18 +87,20 @@ def build_program(
     fused: bool = False,
     measured: bool = False,
     options: tuple[str, ...] = ("-O2",),
+    replaced: Mapping[str, str] | None = None,
 ) -> NativeProgram:
     """Generate and build a program; ``real_time`` makes it run against the clock of a POSIX system.
 
     With ``measured`` the recorder gets the longest step of each process. ``fused`` programs run processes as one where
-    that is possible, and do not report when each starts and ends. Raises NoEnvironmentError, TargetError for what C
+    that is possible, and do not report when each starts and ends. ``replaced`` are files of the package, by path, that
+    get other texts. Raises NoEnvironmentError, TargetError for what C
     cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
     if chosen is not None:
         refuse_devices(chosen)
     with stopping.raising():
-        files = generate(network, read, "c", level, observed=not fused)
+        files = {**generate(network, read, "c", level, observed=not fused), **(replaced or {})}
         sources = [path for path in files if path.endswith(".c")]
         path = Build(
             files,

@@ -243,7 +243,7 @@ void csp_event_bring(csp_event_input *port, const void *value)
         CSP_STORE(port->news, true);
     }
     csp_port_leave_critical(outside);
-    csp_port_wake();
+    csp_announce_event();
 }
 
 void csp_event_take_over(csp_event_input *port)

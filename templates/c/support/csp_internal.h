@@ -7,8 +7,10 @@
 
 /* ---- Scheduler ---- */
 
-/* Runs ready processes until none is left, or for at most `most` steps. Returns whether one is still ready. */
-bool csp_run_ready(uint32_t most);
+/* Runs ready processes until none is left, or the steps are used up, which it counts down. Returns whether one is still ready. */
+bool csp_run_ready(uint32_t *steps);
+/* Whether a process is ready. */
+bool csp_is_ready(void);
 /* Takes a party out of the ready queue. */
 void csp_unready(csp_party *party);
 
@@ -162,6 +164,9 @@ bool csp_sampled_can_come(const csp_sampled_input *port);
 bool csp_event_can_come(const csp_event_input *port, bool interrupts);
 
 /* ---- Runs ---- */
+
+/* To be called when an interrupt handler has brought an event. */
+void csp_announce_event(void);
 
 /* Determines the ports that have instants. */
 void csp_instants_begin(const csp_program *program);

@@ -39,14 +39,25 @@ static void run_on(csp_party *first)
     }
 }
 
-bool csp_run_ready(uint32_t most)
+bool csp_is_ready(void)
 {
-    for (uint32_t steps = 0U; steps < most; steps++) {
-        csp_party *const party = next_party();
+    bool ready = false;
+    for (uint32_t level = 0U; level < CSP_LEVELS; level++) {
+        ready = ready || (csp.ready[level].first != NULL);
+    }
+    return ready;
+}
+
+bool csp_run_ready(uint32_t *steps)
+{
+    uint32_t left = *steps;
+    csp_party *party = NULL;
+    while (left > 0U) {
+        party = next_party();
         if (party == NULL) {
-            CSP_NOTE(csp.current, NULL);
-            return false;
+            break;
         }
+        left--;
         csp_measure_begin();
         csp_party *const following = run(party);
         if (following != NULL) {
@@ -55,7 +66,8 @@ bool csp_run_ready(uint32_t most)
         csp_measure_end();
     }
     CSP_NOTE(csp.current, NULL);
-    return true;
+    *steps = left;
+    return (left == 0U) && csp_is_ready();
 }
 
 void csp_unready(csp_party *party)

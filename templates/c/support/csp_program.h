@@ -5,15 +5,21 @@
 #include "csp_core.h"
 #include "csp_external.h"
 
-/* How a run ended. */
+/* How a run ended, or why a step of it has. */
 typedef enum csp_ending {
     CSP_TERMINATED,
     CSP_FAILED,
     CSP_DEADLOCK,
     CSP_TIME_LIMIT,
     CSP_STOPPED,
-    CSP_NOT_INITIALIZED /* nothing has run, because the network has to be built before each run */
+    CSP_NOT_INITIALIZED, /* nothing has run, because the network has to be built before each run */
+    CSP_MORE,            /* the run continues: everything up to the instant is done */
+    CSP_BUDGET,          /* the run continues: processes are ready, but the steps are used up */
+    CSP_REFUSED          /* the run continues, and nothing was done: the instant is before the present one, or beyond the end of time */
 } csp_ending;
+
+/* The last instant of any run, after 292 years; later ones do not fit in int64_t. */
+#define CSP_END_OF_TIME INT64_C(9223372036000000000)
 
 /* The plant and the operator, simulated; functions may be NULL. */
 typedef struct csp_environment {
@@ -46,6 +52,21 @@ typedef struct csp_program {
 
 /* To be called first when a network is built: discards everything of an earlier run. */
 void csp_begin_building(void);
+
+/* A run in steps, without waiting anywhere:
+ *
+ *     csp_begin(program)           CSP_MORE, or CSP_FAILED if the environment has failed
+ *     csp_advance(until, steps)    runs everything that is due up to the instant, within this number of steps
+ *     csp_next()                   the next instant at which something is due; INT64_MAX: nothing is
+ *     csp_finish()                 writes the safe values
+ *
+ * The time is that of the caller. In virtual time (csp_port.h) every instant is executed in its turn, however far `until` is ahead. Against a clock, `until` is
+ * the present time, and everything up to it has passed: a tick that is followed by another one up to `until` is a missed sample. A run that has ended
+ * answers in the same way again. */
+csp_ending csp_begin(const csp_program *program);
+csp_ending csp_advance(int64_t until, uint32_t steps);
+int64_t csp_next(void);
+void csp_finish(void);
 
 /* Runs to the end, or to the instant `until` (negative: without limit), and then writes the safe values. Afterwards `csp.now` is the time of the
  * end, and `csp.error` is the reason of a failure; if it has no exception, the environment has failed. */

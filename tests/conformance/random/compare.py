@@ -22,7 +22,7 @@ LONGEST = 60
 LEAST = 5
 """Programs with fewer communications are not counted."""
 
-NATIVE = ("c-O0", "c-O1")
+NATIVE = ("c-O0", "c-O1", "c-O0-steps")
 SANITIZED = "-fsanitize=address,undefined -fno-sanitize-recover=all"
 
 

@@ -1,0 +1,85 @@
+/* A run in steps of random lengths: the traces have to be those of csp_run, whose place this file takes.
+ *
+ * SEED is a number, which selects the steps. What csp_begin, csp_advance and csp_next promise is checked on the way.
+ */
+#include "csp_internal.h"
+#include "csp_port.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static uint64_t state = SEED;
+
+/* Knuth's linear congruential generator; its upper bits are good enough to choose steps. */
+static uint32_t chosen(uint32_t count)
+{
+    state = (state * UINT64_C(6364136223846793005)) + UINT64_C(1442695040888963407);
+    return (uint32_t)(state >> 33) % count;
+}
+
+static void require(bool condition, const char *promise)
+{
+    if (!condition) {
+        (void)fprintf(stderr, "broken: %s\n", promise);
+        exit(EXIT_FAILURE);
+    }
+}
+
+/* Between nothing and some tens of milliseconds, or up to the next instant, or just before it. */
+static int64_t next_end(int64_t from)
+{
+    static const int64_t units[] = {1, 1000, 100000, 1000000, 10000000};
+    const int64_t due = csp_next();
+    switch (chosen(4U)) {
+    case 0U:
+        return from;
+    case 1U:
+        return (due < CSP_END_OF_TIME) ? due : from;
+    case 2U:
+        return ((due > from) && (due < CSP_END_OF_TIME)) ? (due - 1) : from;
+    default:
+        return from + (units[chosen(5U)] * (int64_t)chosen(8U));
+    }
+}
+
+static uint32_t some_steps(void)
+{
+    return (chosen(3U) == 0U) ? 65536U : chosen(5U);
+}
+
+csp_ending csp_run(const csp_program *program, int64_t until)
+{
+    const int64_t last = ((until >= 0) && (until < CSP_END_OF_TIME)) ? until : CSP_END_OF_TIME;
+    int64_t end = 0;
+    csp_ending ending = csp_begin(program);
+    if (ending == CSP_NOT_INITIALIZED) {
+        return ending;
+    }
+    require(csp_begin(program) == CSP_NOT_INITIALIZED, "a network is built before each run");
+    csp_port_start();
+    while ((ending == CSP_BUDGET) || ((ending == CSP_MORE) && (end < last))) {
+        if (ending == CSP_MORE) {
+            end = next_end(end);
+            end = (end < last) ? end : last;
+        }
+        ending = csp_advance(end, some_steps());
+        if (ending == CSP_MORE) {
+            require(csp_next() > end, "after a step nothing is due");
+            require(csp_advance(end - 1, 1U) == CSP_REFUSED, "a step backwards is refused");
+        } else if (ending == CSP_BUDGET) {
+            require(csp_next() <= end, "when the steps are used up, something is due");
+        } else {
+            require(csp_next() == INT64_MAX, "after the end nothing is due");
+            require(csp_advance(end, 1U) == ending, "a run that has ended answers in the same way again");
+        }
+    }
+    if (ending == CSP_MORE) {
+        require(csp_advance(INT64_MAX, 1U) == CSP_REFUSED, "a step beyond the end of time is refused");
+        ending = CSP_TIME_LIMIT;
+        csp.now = last;
+    }
+    csp_finish();
+    require(csp_advance(end, 1U) == CSP_NOT_INITIALIZED, "no step after the end");
+    csp_port_finish(program);
+    return ending;
+}
