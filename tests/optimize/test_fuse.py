@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, note, settings
 
 from cspdiag.base import SourceFile
 from cspdiag.network.dump.network import dump
-from cspdiag.network.ir.actions import ReportCommunication, RunInstance
+from cspdiag.network.ir.actions import Repeat, ReportCommunication, RunInstance
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize import PASSES, optimize
@@ -311,6 +311,25 @@ FUSED = {
         PLANT + "environment Bench for Top { plant : Plant\n  u -> plant.u\n  plant.x -> x\n  plant.y -> y\n  }",
     ),
 }  # fmt: skip
+
+
+COUNTED = program(
+    "process Count {\n  out o : int\n  communication { var n : int = 0 }\n"
+    "  composition { mu (o ! SENT ; wait 1 ms ; n := n + 1) until n == 20 }\n}\n"
+    "process Take {\n  in i : int\n  communication { var v : int  var n : int = 0 }\n"
+    "  composition { mu (i ? v ; n := n + 1) until n == 20 }\n}\n",
+    "    s : Count\n    r : Take\n    s.o -> c : int -> r.i",
+    "s || r",
+)
+
+
+@pytest.mark.parametrize(("sent", "loops"), [("7", 1), ("n", 0), ("7 + n", 0)])
+def test_iterations_that_are_only_counted_become_a_loop(sent: str, loops: int) -> None:
+    before = optimize(network_of(SourceFile(name="counted.csp", text=COUNTED.replace("SENT", sent))), BEFORE)
+    after = fuse(before)
+    assert len(after.instances) == 1, explain_fusion(before)
+    assert sum(isinstance(part, Repeat) for part in parts(after.class_named("Top"))) == loops
+    assert_same(before, after, 30_000_000)
 
 
 @pytest.mark.parametrize("text", FUSED.values(), ids=FUSED)

@@ -54,6 +54,7 @@ from cspdiag.optimize.fuse.schedule import (
     schedule_like,
     with_earliest_loop,
     with_first_iteration_before_loop,
+    without_unread_counts,
 )
 from cspdiag.optimize.fuse.single_class import as_single_class
 
@@ -89,7 +90,7 @@ def fused(network: Network) -> Network:
         raise NotStaticError("it is one process already")
     entry = as_single_class(network)
     refuse_visible_cancellation(entry)
-    path = with_earliest_loop(schedule(entry, network.external_ports))
+    path = with_earliest_loop(without_unread_counts(schedule(entry, network.external_ports)))
     for together, closing in ((False, False), (True, False), (True, True)):
         fused_class, counters = _fused_class(entry, path, together=together, closing=closing)
         again = _schedule_of_fused(fused_class, path, counters, network)

@@ -6,12 +6,14 @@ exit, after which the program ends.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
 
 from cspdiag.base.record import record, replaced
 from cspdiag.model.types import Type
 from cspdiag.network.ir import actions as ir
-from cspdiag.network.ir.expressions import VariableValue
+from cspdiag.network.ir.expressions import LiteralValue, VariableValue
 from cspdiag.network.ir.network import ExternalPort, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.fuse.code import Code, NotStaticError
@@ -94,6 +96,43 @@ def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str
         raise NotStaticError("what it does next depends on a value", decision.condition.span)
     main.exits[position] = other
     return replaced(main, made={**main.made, **other.made})
+
+
+def without_unread_counts(path: Path) -> Path:
+    """The same schedule without assignments of known values that nothing reads, such as those that count iterations:
+    iterations that differ in nothing else are then equal.
+    """
+    return _without(path, path.counting - _read(path))
+
+
+def _read(path: Path) -> set[str]:
+    """The variables that occur anywhere except where they are assigned a known value."""
+    steps = [occurrence for occurrence in path.occurrences if _counted(occurrence) is None]
+    found = {part.channel for part in parts(steps) if isinstance(part, VariableValue | ir.Target | ir.ChannelEnd)}
+    return found.union(*map(_read, path.exits.values()))
+
+
+def _counted(occurrence: Occurrence) -> str | None:
+    """The variable that an occurrence only assigns a known value; None if it does anything else."""
+    match occurrence:
+        case Step(action=ir.AssignValue(target=ir.Target(channel=name, indexes=()), value=LiteralValue())):
+            return name
+        case _:  # Any other occurrence.
+            return None
+
+
+def _without(path: Path, names: AbstractSet[str]) -> Path:
+    kept = [position for position, each in enumerate(path.occurrences) if _counted(each) not in names]
+    moved = {position: number for number, position in enumerate(kept)}
+    outcome = path.outcome
+    if isinstance(outcome, Repeats):
+        outcome = Repeats(bisect_left(kept, outcome.position), outcome.since)
+    return replaced(
+        path,
+        occurrences=tuple(path.occurrences[position] for position in kept),
+        outcome=outcome,
+        exits={moved[position]: _without(exit_, names) for position, exit_ in path.exits.items()},
+    )
 
 
 def with_earliest_loop(path: Path) -> Path:
