@@ -1,5 +1,5 @@
-"""Every element of an array of instances costs the same, however many there are: lines of Python are counted,
-not time.
+"""Every instance costs the same, however many there are, as an element of an array and as a line of its own: lines of
+Python are counted, not time.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ import importlib
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import CodeType
 
 import pytest
 
@@ -32,15 +33,18 @@ the same, 4 if the cost of each grows with their number.
 """
 
 
-def program(name: str, count: int) -> SourceFile:
-    text = (NETWORKS / f"{name}.csp").read_text(encoding="utf-8")
-    changed, times = re.subn(r"const size = \d+", f"const size = {count}", text)
-    assert times == 1
-    return SourceFile(name="main.csp", text=changed)
+@pytest.fixture(autouse=True)
+def benchmarks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(NETWORKS.parent / "programs"))
 
 
-def network(name: str, count: int) -> CoreNetwork:
-    built = pipeline.build(program(name, count), read_source)
+def program(name: str, count: int, form: str = "array", *, ends: bool = False) -> SourceFile:
+    """A network of ``benchmarks/networks/``, as an "array" or as "lines" for each instance and relationship."""
+    return SourceFile(name="main.csp", text=importlib.import_module("scale").source(name, form, count, ends=ends))
+
+
+def network(name: str, count: int, form: str = "array") -> CoreNetwork:
+    built = pipeline.build(program(name, count, form), read_source)
     assert built.network is not None
     return built.network
 
@@ -52,24 +56,36 @@ def growth(done: Callable[[int], Callable[[], object]]) -> float:
     return (third - second) / (second - first)
 
 
+@pytest.mark.parametrize("form", ["array", "lines"])
 @pytest.mark.parametrize("name", ["ring", "star"])
-def test_checks_take_the_same_for_each_element(name: str) -> None:
-    assert growth(lambda count: lambda: pipeline.check(program(name, count), read_source)) < MOST_GROWTH
+def test_checks_take_the_same_for_each_element(name: str, form: str) -> None:
+    assert growth(lambda count: lambda: pipeline.check(program(name, count, form), read_source)) < MOST_GROWTH
 
 
-@pytest.mark.parametrize(
-    ("name", "target", "level"),
-    [
-        *((name, target, 0) for name in ("ring", "workers", "star") for target in ("python", "c")),
-        *((name, target, 1) for name in ("ring", "workers", "star") for target in ("python", "c")),
-    ],
-)
-def test_generators_take_the_same_for_each_element(name: str, target: str, level: int) -> None:
+@pytest.mark.parametrize("form", ["array", "lines"])
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("target", ["python", "c"])
+@pytest.mark.parametrize("name", ["ring", "workers", "star"])
+def test_generators_take_the_same_for_each_element(name: str, target: str, level: int, form: str) -> None:
     def generating(count: int) -> Callable[[], object]:
-        made = network(name, count)
+        made = network(name, count, form)
         return lambda: pipeline.generate(made, read_source, target, level)
 
     assert growth(generating) < MOST_GROWTH
+
+
+def test_no_variable_is_shared_with_nested_functions_for_each_line() -> None:
+    """Python takes ``n`` squared steps to compile a function of which others use ``n`` variables."""
+    shared = []
+    for count in (200, 300):  # too many to be fused
+        files = pipeline.generate(network("ring", count, "lines"), read_source, "python", 1)
+        pending = [compile(files["main/ring.py"], "ring.py", "exec", dont_inherit=True)]
+        functions = []
+        while pending:
+            functions.append(pending.pop())
+            pending += [constant for constant in functions[-1].co_consts if isinstance(constant, CodeType)]
+        shared.append(max(len(function.co_cellvars) for function in functions))
+    assert 0 < shared[0] == shared[1]
 
 
 def test_the_groups_of_a_summary_take_the_same_for_each_element() -> None:
@@ -114,14 +130,12 @@ def test_what_a_proof_leaves_open_is_listed_in_a_few_lines() -> None:
 @pytest.mark.parametrize("level", ["-O0", "-O1"])
 @pytest.mark.parametrize("name", ["ring", "pipeline", "workers", "star"])
 def test_lines_and_an_array_have_the_same_trace(
-    name: str, level: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    name: str, level: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.syspath_prepend(str(NETWORKS.parent / "programs"))
-    source = importlib.import_module("scale").source
     traces: list[str] = []
     for form in ("lines", "array"):
         written, trace = tmp_path / f"{form}.csp", tmp_path / f"{form}.jsonl"
-        written.write_text(source(name, form, 12, ends=True), encoding="utf-8")
+        written.write_text(program(name, 12, form, ends=True).text, encoding="utf-8")
         status = main(["run", level, str(written), "--trace", str(trace)])
         assert (status, "error" in capsys.readouterr().err) in ((0, False), (1, False))
         traces.append(re.sub(r"(\w)\[(\d+)\]", r"\1\2", trace.read_text(encoding="utf-8")))

@@ -92,7 +92,7 @@ class Composition(Alternatives, LawSteps):
             case ir.RunInstance(instance=instance):
                 return (self.comment(action), *self.run_here(instance))
             case ir.ResetInstance(instance=instance):
-                return (run(self._instance(instance).call("reset")),)
+                return (run(self.spelling.members.instance(instance).call("reset")),)
             case ir.Repeat(until=until):
                 with self._loop():
                     return self._repeat(action, until)
@@ -222,9 +222,6 @@ class Composition(Alternatives, LawSteps):
         yield YIELD
         yield if_(rounds.field("failed"), run(rounds.call("conclude")))
 
-    def _instance(self, name: str) -> Code:
-        return self.spelling.local(self.spelling.members.instance(name))
-
     def _class_of(self, name: str) -> object:
         instance = next(item for item in self.spelling.process.instances if item.name == name)
         assert isinstance(instance, InstanceOf)
@@ -232,7 +229,7 @@ class Composition(Alternatives, LawSteps):
 
     def run_here(self, name: str) -> Statements:
         """Run an instance in sequence."""
-        class_, instance = self._class_of(name), self._instance(name)
+        class_, instance = self._class_of(name), self.spelling.members.instance(name)
         if isinstance(class_, ProcessClass) and class_.external is None:
             return (run(delegated(instance.call("steps", self.spelling["me"]))),)
         return (run(delegated(instance.call("execute").call("__await__"))),)
@@ -267,9 +264,12 @@ class Composition(Alternatives, LawSteps):
             position += 1
 
     def branch(self, step: ir.Action) -> Code:
-        """A process to run in parallel with others."""
+        """A process to run in parallel with others.
+
+        It is no local variable: if a nested function uses ``n`` of those, compiling it takes ``n`` squared steps.
+        """
         if isinstance(step, ir.RunInstance):
-            return self._instance(step.instance)
+            return self.spelling.members.instance(step.instance)
         return self._function(step)
 
     def _whole_array(self, steps: Sequence[ir.Action], start: int) -> tuple[Code, int] | None:
@@ -280,7 +280,7 @@ class Composition(Alternatives, LawSteps):
         given = [s.instance for s in steps[start : start + len(array.elements)] if isinstance(s, ir.RunInstance)]
         if given != list(array.elements):
             return None
-        return self.spelling.bind(array.name), len(array.elements)
+        return own(array.name), len(array.elements)
 
     def _function(self, action: ir.Action, rounds: Code | None = None) -> Code:
         """A generator function for a parallel branch, which runs repeatedly if it belongs to ``rounds``."""

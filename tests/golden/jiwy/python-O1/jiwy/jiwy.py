@@ -63,13 +63,11 @@ class Jiwy(Routine):
 
     def steps(self, me: Task) -> Steps:
         scheduler = me.scheduler
-        horizontal = self.horizontal
-        vertical = self.vertical
         self.start(me)
         try:
             # jiwy.csp:157  horizontal || vertical
             scheduler.current = me
-            yield from parallel(horizontal, vertical)
+            yield from parallel(self.horizontal, self.vertical)
         except BaseException as error:
             self.fail(me, error)
             raise
