@@ -59,8 +59,22 @@ class _Shared:
         return f"{type(self).__name__}({shown})"
 
 
+_counts: dict[type, int] = {}
+"""How often each class was constructed, until its constructor is replaced by a compiled one."""
+
+_OFTEN = 100
+"""So many constructions waste as much time as compiling a constructor takes."""
+
+
 def _keep(values: dict[str, Any]) -> None:
-    values.pop("self").__dict__.update(values)
+    self = values.pop("self")
+    self.__dict__.update(values)
+    kind = type(self)
+    count = _counts.get(kind)
+    if count is not None:
+        _counts[kind] = count + 1
+        if count == _OFTEN:
+            _compile_constructor(kind)
 
 
 def _construct(self: Any) -> None:
@@ -93,6 +107,22 @@ def _constructor(cls: type, positional: tuple[str, ...], by_name: tuple[str, ...
     made = FunctionType(code, globals(), "__init__", tuple(defaults[name] for name in optional))
     made.__kwdefaults__ = {name: defaults[name] for name in by_name if name in defaults}
     return made
+
+
+def _compile_constructor(cls: Any) -> None:
+    """Replaces the instructions of a constructor that is used often by some that store each field by itself, which
+    takes less than half of the time; its parameters stay the same.
+    """
+    made = cls.__init__
+    names = made.__code__.co_varnames
+    kept = "_" * (max(map(len, names)) + 1)
+    positional = names[: made.__code__.co_argcount]
+    parameters = ", ".join([*positional, *(["*", *names[len(positional) :]] if len(names) > len(positional) else [])])
+    stores = "".join([f"    {kept}[{name!r}] = {name}\n" for name in names[1:]])
+    completed = "    self.__post_init__()\n" if hasattr(cls, "__post_init__") else ""
+    scope: dict[str, Any] = {}
+    exec(f"def __init__({parameters}):\n    {kept} = self.__dict__\n{stores}{completed}", scope)
+    made.__code__ = scope["__init__"].__code__.replace(co_qualname=made.__qualname__, co_filename=__file__)
 
 
 def _equal(self: Any, other: object) -> bool:
@@ -139,6 +169,8 @@ def _prepare(cls: Any, kw_only: bool) -> None:
     if "__init__" not in vars(cls):
         by_name = names if not positional else tuple(name for name in names if name not in positional)
         cls.__init__ = _constructor(cls, positional, by_name)
+        if names:
+            _counts[cls] = 0
     for method in ("__setattr__", "__delattr__", "__repr__"):
         if getattr(cls, method) is getattr(object, method):
             setattr(cls, method, getattr(_Shared, method))

@@ -47,6 +47,17 @@ class Nothing:
     pass
 
 
+def make_often():
+    """Then these records have constructors of their own."""
+    for k in range(200):
+        assert vars(Port("u", k)) == {"name": "u", "size": k, "unit": ""}
+        assert vars(Arrow("u", k, span=k, drawn=True)) == {
+            "name": "u", "size": k, "unit": "", "kind": "channel", "span": k, "drawn": True,
+        }  # fmt: skip
+        assert vars(Step(process="p", span=k)) == {"process": "p", "repeated": False, "span": k}
+
+
+@pytest.mark.parametrize("often", [False, True])
 @pytest.mark.parametrize(
     ("call", "reported"),
     [
@@ -67,12 +78,17 @@ class Nothing:
         (lambda: replaced(Step(process="p", span=1), again=True), "unexpected keyword argument 'again'"),
     ],
 )
-def test_a_call_with_wrong_fields_is_refused(call, reported):
+def test_a_call_with_wrong_fields_is_refused(call, reported, often):
+    if often:
+        make_often()
     with pytest.raises(TypeError, match=reported):
         call()
 
 
-def test_the_refusal_names_the_record():
+@pytest.mark.parametrize("often", [False, True])
+def test_the_refusal_names_the_record(often):
+    if often:
+        make_often()
     with pytest.raises(TypeError, match=r"^Port\.__init__\(\) got an unexpected keyword argument 'width'$"):
         Port("u", width=2)
 
@@ -87,6 +103,12 @@ def test_fields_left_out_have_their_defaults():
         7,
         False,
     )
+
+
+def test_a_record_that_is_made_often_has_a_constructor_of_its_own():
+    make_often()
+    assert "__dict__" in Arrow.__init__.__code__.co_names
+    assert "_keep" not in Arrow.__init__.__code__.co_names
 
 
 def test_fields_may_be_given_by_name_in_any_order():
@@ -278,6 +300,8 @@ def test_fields_that_follow_from_others_are_completed_and_checked():
             if self.step < 0:
                 object.__setattr__(self, "step", self.work)
 
+    for work in range(200):
+        assert Task(work).step == work
     assert Task(3) == Task(3, 3)
     assert replaced(Task(3), work=5) == Task(5, 3)
     with pytest.raises(ValueError, match="negative"):
