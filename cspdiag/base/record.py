@@ -63,7 +63,7 @@ _counts: dict[type, int] = {}
 """How often each class was constructed, until its constructor is replaced by a compiled one."""
 
 _OFTEN = 100
-"""So many constructions waste as much time as compiling a constructor takes."""
+"""After this many constructions, as much time is lost as compiling a constructor takes."""
 
 
 def _keep(values: dict[str, Any]) -> None:
@@ -226,6 +226,16 @@ def _compare_by_value(cls: Any, order: bool) -> None:
 def field_names(item: object) -> tuple[str, ...]:
     """The names of a record's fields, in order."""
     return item.__record_fields__  # type: ignore[attr-defined,no-any-return]
+
+
+ATOMS = frozenset({"str", "str | None", "int", "int | None", "bool", "bool | None"})
+"""Annotations of fields in which no record can be."""
+
+
+def annotations_of(kind: type) -> Mapping[str, str]:
+    """The annotations of the fields of a class of records, by name."""
+    kinds = (getattr(cls, "__annotations__", {}) for cls in reversed(kind.__mro__))
+    return {name: kind for of_class in kinds for name, kind in of_class.items()}
 
 
 def is_record(item: object) -> bool:

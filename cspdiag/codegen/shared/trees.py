@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import cache
 from typing import Any, TypeVar
 
-from cspdiag.base.record import field_names, is_record, record, replaced
+from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record, record, replaced
 
 T = TypeVar("T")
 
@@ -40,11 +40,23 @@ def nodes(item: object) -> Iterator[object]:
     pending = [item]
     while pending:
         part = pending.pop()
-        if isinstance(part, tuple | list):
+        if isinstance(part, (tuple, list)):
             pending += reversed(part)
-        elif is_record(part):
+            continue
+        kind: type = type(part)
+        names = _searched_fields(kind)
+        if names is not None:
             yield part
-            pending += [getattr(part, name) for name in reversed(field_names(part))]
+            pending += [getattr(part, name) for name in names]
+
+
+@cache
+def _searched_fields(kind: type) -> tuple[str, ...] | None:
+    """The fields of a node in which others may be, the last one first; None for everything else."""
+    if not hasattr(kind, "__record_fields__"):
+        return None
+    kinds = annotations_of(kind)
+    return tuple([name for name in reversed(kind.__record_fields__) if kinds[name] not in ATOMS])
 
 
 def outline(item: object) -> Outline:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from cspdiag.base.record import field_names, is_record
+from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record
 from cspdiag.base.span import Span
 from cspdiag.model.program import Program
 from cspdiag.model.types import UNKNOWN, EnumType, StructType
@@ -86,15 +86,13 @@ class Vocabulary:
                 pending.extend(inner for name in names if (inner := getattr(item, name)) is not None)
 
 
-_ATOMS = frozenset({"str", "str | None", "int", "int | None", "bool", "Span", "Span | None"})
+_ATOMS = ATOMS | {"Span", "Span | None"}
 
 
 def _names_inside(item: object) -> tuple[str, ...]:
     """The fields of a record to search, at least one, the last one first; none for other values."""
     if isinstance(item, Span) or not is_record(item):
         return ()
-    annotations = {
-        name: kind for cls in type(item).__mro__ for name, kind in getattr(cls, "__annotations__", {}).items()
-    }
+    annotations = annotations_of(type(item))
     names = field_names(item)
     return tuple(name for name in reversed(names) if annotations[name] not in _ATOMS) or names[:1]

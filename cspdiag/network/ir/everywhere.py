@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import is_
 from typing import Any, TypeVar
 
-from cspdiag.base.record import field_names, is_record, replaced
+from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record, replaced
 
 T = TypeVar("T")
 
@@ -18,17 +19,18 @@ def rewritten(item: T, change: Callable[[Any], Any]) -> T:
     Unchanged parts stay the same objects.
     """
     if isinstance(item, tuple):
-        entries: Any = tuple([rewritten(entry, change) for entry in item])
-        return item if all(new is old for new, old in zip(entries, item, strict=True)) else entries
-    names = _INSIDE.get(type(item))
-    if names is None:
+        entries: Any = tuple([rewritten(entry, change) for entry in item]) if item else item
+        return item if all(map(is_, entries, item)) else entries
+    try:
+        names = _INSIDE[type(item)]
+    except KeyError:
         names = _INSIDE[type(item)] = _names_inside(item)
-    if not names and not is_record(item):
+    if names is None:
         return item
     changes = {}
     for name in names:
         old = getattr(item, name)
-        if isinstance(old, tuple) or is_record(old):
+        if old is not None:
             new = rewritten(old, change)
             if new is not old:
                 changes[name] = new
@@ -36,9 +38,14 @@ def rewritten(item: T, change: Callable[[Any], Any]) -> T:
     return result
 
 
-_INSIDE: dict[type, tuple[str, ...]] = {}
-"""The fields to search, by type; cached, since networks have millions of parts."""
+_INSIDE: dict[type, tuple[str, ...] | None] = {}
+"""The fields of a record to search, by type; None if it is not a record. Cached, since networks have millions of
+parts.
+"""
 
 
-def _names_inside(item: object) -> tuple[str, ...]:
-    return tuple(name for name in field_names(item) if name not in LEFT_ALONE) if is_record(item) else ()
+def _names_inside(item: object) -> tuple[str, ...] | None:
+    if not is_record(item):
+        return None
+    kinds = annotations_of(type(item))
+    return tuple(name for name in field_names(item) if name not in LEFT_ALONE and kinds[name] not in ATOMS)

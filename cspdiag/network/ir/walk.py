@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar, assert_never, overload
 
-from cspdiag.base.record import field_names, is_record
+from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, PresentTime, VariableValue
 
@@ -33,6 +33,19 @@ def parts(item: object) -> Iterator[object]:
             pending.extend(reversed(part))
 
 
+def inner_parts(item: object) -> Sequence[object]:
+    """What is directly inside a record or a tuple, the last first, with tuples as they are; spans and types are left
+    out.
+    """
+    if isinstance(item, tuple | list):
+        return item[::-1]
+    kind = type(item)
+    if kind not in _INSIDE:
+        _INSIDE[kind] = _names_inside(item)
+    names = _INSIDE[kind]
+    return [getattr(item, name) for name in names] if names is not None else ()
+
+
 class PartsByType:
     """The parts of an item by type, collected once for several searches."""
 
@@ -55,14 +68,9 @@ have millions of parts.
 def _names_inside(part: object) -> tuple[str, ...] | None:
     if not is_record(part):
         return None
-    annotations = {
-        name: kind for cls in type(part).__mro__ for name, kind in getattr(cls, "__annotations__", {}).items()
-    }
-    names = (name for name in field_names(part) if name not in ("span", "type") and annotations[name] not in _ATOMS)
+    kinds = annotations_of(type(part))
+    names = (name for name in field_names(part) if name not in ("span", "type") and kinds[name] not in ATOMS)
     return tuple(names)[::-1]
-
-
-_ATOMS = frozenset({"str", "str | None", "int", "int | None", "bool"})
 
 
 @overload

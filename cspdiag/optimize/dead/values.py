@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, TypeAlias
 
-from cspdiag.base.record import field_names, is_record, replaced
+from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import AssignValue, ChannelEnd, ResetStates, RunLaw, SequentialSteps, SkipStep
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import Expression, SignalValue, Typed, VariableValue
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import ProcessClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import inner_parts, parts
 from cspdiag.optimize.changes import changed, in_sequence
 
 Name: TypeAlias = "tuple[type[SignalValue] | type[VariableValue], str]"
@@ -115,22 +115,18 @@ class _Values:
 
     def _effects(self, item: Any) -> Iterator[Any]:
         """What is needed in any case; values that are only stored are not, unless computing them may fault."""
-        if isinstance(item, tuple):
-            for entry in item:
-                yield from self._effects(entry)
-        elif isinstance(item, RunLaw):
-            yield from self._effects_of_law(item)
-        elif isinstance(item, AssignValue):
-            if self.has_effect(item):
-                yield item
-        elif isinstance(item, Typed | ChannelEnd):
-            yield item
-        elif is_record(item):
-            for name in field_names(item):
-                if name not in ("span", "type"):
-                    inner = getattr(item, name)
-                    if isinstance(inner, tuple) or is_record(inner):
-                        yield from self._effects(inner)
+        pending = [item]
+        while pending:
+            part = pending.pop()
+            if isinstance(part, RunLaw):
+                yield from self._effects_of_law(part)
+            elif isinstance(part, AssignValue):
+                if self.has_effect(part):
+                    yield part
+            elif isinstance(part, Typed) or type(part) is ChannelEnd:
+                yield part
+            else:
+                pending += inner_parts(part)
 
     def _effects_of_law(self, law: RunLaw) -> Iterable[Any]:
         for equation in law.equations:

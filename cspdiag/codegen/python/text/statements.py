@@ -20,7 +20,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.layout import INDENT, LINE_LENGTH, bracketed, comment_line, statement
 from cspdiag.codegen.python.text.literals import docstring, remark
-from cspdiag.codegen.shared.trees import Closed, nodes
+from cspdiag.codegen.shared.trees import Closed
 
 NOTHING = Constant("")
 
@@ -170,9 +170,9 @@ def repeat(count: int, body: Statements, variable: str = "_") -> For:
     return For(variable, counted_to(count), body)
 
 
-def bound_in(statements: object) -> Iterator[str]:
+def bound_in(statements: Iterable[Statement]) -> Iterator[str]:
     """The local variables that statements assign or use as loop variables."""
-    for item in nodes(statements):
+    for item in _statements_in(statements):
         if isinstance(item, For):
             yield item.variable
         elif isinstance(item, Assign | Unpack):
@@ -180,12 +180,19 @@ def bound_in(statements: object) -> Iterator[str]:
             yield from (target.text for target in targets if isinstance(target, Name))
 
 
-def attributes_set(statements: object) -> Iterator[str]:
+def attributes_set(statements: Iterable[Statement]) -> Iterator[str]:
     """The attributes of ``self`` that statements assign."""
-    for item in nodes(statements):
+    for item in _statements_in(statements):
         target = item.target if isinstance(item, Assign) else None
         if isinstance(target, Attribute) and target.operand == SELF:
             yield target.name
+
+
+def _statements_in(statements: Iterable[Statement]) -> Iterator[Statement]:
+    for item in statements:
+        yield item
+        if isinstance(item, (Block, For, Function)):
+            yield from _statements_in(item.body)
 
 
 def lines(statements: Iterable[Statement], indent: str = "") -> list[str]:
