@@ -82,7 +82,7 @@ static const csp_place relay_places[] = PLACES(struct relay, output);
 static const csp_place delta_places[] = PLACES(struct delta, second);
 static const csp_place consumer_places[] = PLACES(struct consumer, output);
 
-static csp_party *prefix_step(csp_party *party)
+static csp_party *prefix_step(csp_kernel *csp, csp_party *party)
 {
     struct relay *const self = (struct relay *)(void *)party;
     switch (party->state) {
@@ -93,14 +93,14 @@ static csp_party *prefix_step(csp_party *party)
         }
     case FAILS:
     failed:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
 }
 
-static csp_party *delta_step(csp_party *party)
+static csp_party *delta_step(csp_kernel *csp, csp_party *party)
 {
     struct delta *const self = (struct delta *)(void *)party;
     switch (party->state) {
@@ -112,14 +112,14 @@ static csp_party *delta_step(csp_party *party)
         }
     case FAILS:
     failed:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
 }
 
-static csp_party *relay_step(csp_party *party)
+static csp_party *relay_step(csp_kernel *csp, csp_party *party)
 {
     struct relay *const self = (struct relay *)(void *)party;
     switch (party->state) {
@@ -131,14 +131,14 @@ static csp_party *relay_step(csp_party *party)
         }
     case FAILS:
     failed:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
 }
 
-static csp_party *consumer_step(csp_party *party)
+static csp_party *consumer_step(csp_kernel *csp, csp_party *party)
 {
     struct consumer *const self = (struct consumer *)(void *)party;
     switch (party->state) {
@@ -153,12 +153,12 @@ static csp_party *consumer_step(csp_party *party)
             }
             sample_ends((double)self->rounds * self->operations);
         }
-        (void)csp_raise(party, FINISHED, "");
+        (void)csp_raise(csp, party, FINISHED, "");
         goto failed;
     case FAILS:
     failed:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -185,7 +185,7 @@ struct chooser {
     csp_alternative choice;
 };
 
-static csp_party *writer_step(csp_party *party)
+static csp_party *writer_step(csp_kernel *csp, csp_party *party)
 {
     struct writer *const self = (struct writer *)(void *)party;
     switch (party->state) {
@@ -195,14 +195,14 @@ static csp_party *writer_step(csp_party *party)
         }
     case FAILS:
     failed:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
 }
 
-static csp_party *chooser_step(csp_party *party)
+static csp_party *chooser_step(csp_kernel *csp, csp_party *party)
 {
     struct chooser *const self = (struct chooser *)(void *)party;
     csp_progress progress = CSP_DONE;
@@ -211,17 +211,17 @@ static csp_party *chooser_step(csp_party *party)
         for (self->sample = 0; self->sample < SAMPLES; self->sample++) {
             sample_begins();
             for (self->count = 0; self->count < COMMUNICATIONS; self->count++) {
-                CSP_AWAIT(csp_select_inputs(party, &self->choice, self->choice.count),
-                          csp_select_again(party, &self->choice), READS, failed)
+                CSP_AWAIT(csp_select_inputs(csp, party, &self->choice, self->choice.count),
+                          csp_select_again(csp, party, &self->choice), READS, failed)
             }
             sample_ends((double)COMMUNICATIONS);
         }
-        (void)csp_raise(party, FINISHED, "");
+        (void)csp_raise(csp, party, FINISHED, "");
         goto failed;
     case FAILS:
     failed:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -246,9 +246,9 @@ static const csp_class chooser_class = {chooser_step, chooser_places, "Chooser",
 
 /* ---- Parallel ---- */
 
-static csp_party *ends_step(csp_party *party)
+static csp_party *ends_step(csp_kernel *csp, csp_party *party)
 {
-    return csp_end(party);
+    return csp_end(csp, party);
 }
 
 static const csp_class ends_class = {ends_step, relay_places, "Ends", "", 0U, 0U};
@@ -269,31 +269,34 @@ struct program {
     struct writer writer[1000];
 };
 
-static struct program top;
+static struct memory {
+    csp_kernel kernel;
+    struct program top;
+} memory;
 static csp_channel channel[MOST];
 static csp_guarded_channel guarded[1000];
 static csp_guard guards[1000];
 static csp_word words[2U * CSP_WORDS(1000U)];
 
-static csp_party *program_step(csp_party *party)
+static csp_party *program_step(csp_kernel *csp, csp_party *party)
 {
     struct program *const self = (struct program *)(void *)party;
     csp_progress progress = CSP_DONE;
     switch (party->state) {
     case 0:
-        CSP_AWAIT(csp_par(party, &self->parallel, self->branches, self->runs), csp_par_again(party, &self->parallel), 1,
+        CSP_AWAIT(csp_par(csp, party, &self->parallel, self->branches, self->runs), csp_par_again(csp, party, &self->parallel), 1,
                   failed)
-        return csp_end(party);
+        return csp_end(csp, party);
     case 2:
     failed:
-        csp_unwind(party);
-        return csp_catch(FINISHED) ? csp_end(party) : csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_catch(csp, FINISHED) ? csp_end(csp, party) : csp_fail(csp, party);
     default:
         return NULL;
     }
 }
 
-static csp_party *repeated_parallel_step(csp_party *party)
+static csp_party *repeated_parallel_step(csp_kernel *csp, csp_party *party)
 {
     struct program *const self = (struct program *)(void *)party;
     csp_progress progress = CSP_DONE;
@@ -302,16 +305,16 @@ static csp_party *repeated_parallel_step(csp_party *party)
         for (self->sample = 0; self->sample < SAMPLES; self->sample++) {
             sample_begins();
             for (self->count = 0; self->count < COMMUNICATIONS; self->count++) {
-                CSP_AWAIT(csp_par(party, &self->parallel, self->branches, self->runs),
-                          csp_par_again(party, &self->parallel), 1, failed)
+                CSP_AWAIT(csp_par(csp, party, &self->parallel, self->branches, self->runs),
+                          csp_par_again(csp, party, &self->parallel), 1, failed)
             }
             sample_ends((double)COMMUNICATIONS);
         }
-        return csp_end(party);
+        return csp_end(csp, party);
     case 2:
     failed:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -327,10 +330,10 @@ static const csp_class repeated_parallel_class = {repeated_parallel_step, progra
 
 static void branch(uint32_t run, size_t offset, size_t stride, uint32_t count)
 {
-    top.branches[run].offset = (uint32_t)offset;
-    top.branches[run].stride = (uint32_t)stride;
-    top.branches[run].count = count;
-    top.runs = run + 1U;
+    memory.top.branches[run].offset = (uint32_t)offset;
+    memory.top.branches[run].stride = (uint32_t)stride;
+    memory.top.branches[run].count = count;
+    memory.top.runs = run + 1U;
 }
 
 static void connect(struct relay *relay, csp_channel *input, csp_channel *output)
@@ -341,23 +344,23 @@ static void connect(struct relay *relay, csp_channel *input, csp_channel *output
 
 static void consume(csp_channel *input, csp_channel *output, int64_t rounds, double operations)
 {
-    csp_process_init(&top.consumer.process, &consumer_class, 2U);
-    top.consumer.input = input;
-    top.consumer.output = output;
-    top.consumer.rounds = rounds;
-    top.consumer.operations = operations;
+    csp_process_init(&memory.top.consumer.process, &consumer_class, 2U);
+    memory.top.consumer.input = input;
+    memory.top.consumer.output = output;
+    memory.top.consumer.rounds = rounds;
+    memory.top.consumer.operations = operations;
 }
 
 static void build_commstime(void)
 {
-    csp_process_init(&top.relay[0].process, &prefix_class, 3U);
-    csp_process_init(&top.relay[1].process, &relay_class, 4U);
-    csp_process_init(&top.delta.process, &delta_class, 5U);
-    connect(&top.relay[0], &channel[2], &channel[0]);
-    connect(&top.relay[1], &channel[1], &channel[2]);
-    top.delta.input = &channel[0];
-    top.delta.first = &channel[1];
-    top.delta.second = &channel[3];
+    csp_process_init(&memory.top.relay[0].process, &prefix_class, 3U);
+    csp_process_init(&memory.top.relay[1].process, &relay_class, 4U);
+    csp_process_init(&memory.top.delta.process, &delta_class, 5U);
+    connect(&memory.top.relay[0], &channel[2], &channel[0]);
+    connect(&memory.top.relay[1], &channel[1], &channel[2]);
+    memory.top.delta.input = &channel[0];
+    memory.top.delta.first = &channel[1];
+    memory.top.delta.second = &channel[3];
     consume(&channel[3], NULL, COMMUNICATIONS / 4, 4.0);
     branch(0U, offsetof(struct program, relay), sizeof(struct relay), 2U);
     branch(1U, offsetof(struct program, delta), 0U, 1U);
@@ -367,8 +370,8 @@ static void build_commstime(void)
 static void build_ring(uint32_t size)
 {
     for (uint32_t index = 0U; index < (size - 1U); index++) {
-        csp_process_init(&top.relay[index].process, &relay_class, index + 3U);
-        connect(&top.relay[index], &channel[index], &channel[index + 1U]);
+        csp_process_init(&memory.top.relay[index].process, &relay_class, index + 3U);
+        connect(&memory.top.relay[index], &channel[index], &channel[index + 1U]);
     }
     consume(&channel[size - 1U], &channel[0], (COMMUNICATIONS / (int64_t)size) + 1, (double)size);
     branch(0U, offsetof(struct program, relay), sizeof(struct relay), size - 1U);
@@ -377,32 +380,33 @@ static void build_ring(uint32_t size)
 
 static void build_alternative(uint16_t count)
 {
-    csp_process_init(&top.chooser.process, &chooser_class, 2U);
-    csp_alternative_init(&top.chooser.choice, guards, count, (count > CSP_WORD_BITS) ? words : NULL, false);
+    csp_process_init(&memory.top.chooser.process, &chooser_class, 2U);
+    csp_alternative_init(&memory.top.chooser.choice, guards, count, (count > CSP_WORD_BITS) ? words : NULL, false);
     for (uint16_t index = 0U; index < count; index++) {
         csp_guarded_init(&guarded[index], index);
-        csp_process_init(&top.writer[index].process, &writer_class, index + 3U);
-        top.writer[index].output = &guarded[index];
-        csp_guard_read(&top.chooser.choice, index, &guarded[index].channel.medium, &top.chooser.value, sizeof(int64_t));
+        csp_process_init(&memory.top.writer[index].process, &writer_class, index + 3U);
+        memory.top.writer[index].output = &guarded[index];
+        csp_guard_read(&memory.top.chooser.choice, index, &guarded[index].channel.medium, &memory.top.chooser.value, sizeof(int64_t));
     }
-    csp_enable_all(&top.chooser.choice);
+    csp_enable_all(&memory.top.chooser.choice);
     branch(0U, offsetof(struct program, writer), sizeof(struct writer), count);
     branch(1U, offsetof(struct program, chooser), 0U, 1U);
 }
 
 static void build_parallel(void)
 {
-    csp_process_init(&top.relay[0].process, &ends_class, 2U);
-    csp_process_init(&top.relay[1].process, &ends_class, 3U);
+    csp_process_init(&memory.top.relay[0].process, &ends_class, 2U);
+    csp_process_init(&memory.top.relay[1].process, &ends_class, 3U);
     branch(0U, offsetof(struct program, relay), sizeof(struct relay), 2U);
 }
 
 int main(int count, char **arguments)
 {
-    static const csp_program program = {.process = &top.process};
+    static const csp_program program = {.process = offsetof(struct memory, top.process)};
+    csp_kernel *const csp = &memory.kernel;
     const char *const name = (count > 1) ? arguments[1] : "commstime";
     const long size = (count > 2) ? strtol(arguments[2], NULL, 10) : 10;
-    csp_process_init(&top.process, &program_class, 1U);
+    csp_process_init(&memory.top.process, &program_class, 1U);
     for (uint32_t index = 0U; index < (uint32_t)MOST; index++) {
         csp_channel_init(&channel[index], index);
     }
@@ -411,13 +415,13 @@ int main(int count, char **arguments)
     } else if (strcmp(name, "alternative") == 0) {
         build_alternative((uint16_t)size);
     } else if (strcmp(name, "parallel") == 0) {
-        csp_process_init(&top.process, &repeated_parallel_class, 1U);
+        csp_process_init(&memory.top.process, &repeated_parallel_class, 1U);
         build_parallel();
     } else {
         build_commstime();
     }
-    csp_begin_building();
-    const csp_ending ending = csp_run(&program, -1);
+    csp_build(csp, &program, NULL);
+    const csp_ending ending = csp_run(csp, -1);
     printf("%s: %.2f ns", name, least);
     if (strcmp(name, "ring") == 0) {
         printf(", %lu bytes per process", (unsigned long)(sizeof(struct relay) + sizeof(csp_channel)));

@@ -4,45 +4,47 @@
 
 enum { FAILS = SCRIPT_STEPS + 1 };
 
+csp_kernel script_kernel;
+
 static const char *const *names;
 static const script *all;
 
-static csp_progress read_from(csp_party *party, csp_medium *medium, int64_t *value, bool again)
+static csp_progress read_from(csp_kernel *csp, csp_party *party, csp_medium *medium, int64_t *value, bool again)
 {
     switch (medium->kind) {
     case CSP_CHANNEL:
-        return again ? CSP_DONE : csp_channel_read(party, (csp_channel *)(void *)medium, value, sizeof(*value));
+        return again ? CSP_DONE : csp_channel_read(csp, party, (csp_channel *)(void *)medium, value, sizeof(*value));
     case CSP_GUARDED:
         return again ? CSP_DONE
-                     : csp_guarded_read(party, (csp_guarded_channel *)(void *)medium, value, sizeof(*value));
+                     : csp_guarded_read(csp, party, (csp_guarded_channel *)(void *)medium, value, sizeof(*value));
     case CSP_ANY:
-        return again ? CSP_DONE : csp_any_read(party, (csp_any_channel *)(void *)medium, value, sizeof(*value));
+        return again ? CSP_DONE : csp_any_read(csp, party, (csp_any_channel *)(void *)medium, value, sizeof(*value));
     case CSP_BUFFER:
-        return again ? CSP_DONE : csp_buffer_read(party, (csp_buffer *)(void *)medium, value, sizeof(*value));
+        return again ? CSP_DONE : csp_buffer_read(csp, party, (csp_buffer *)(void *)medium, value, sizeof(*value));
     case CSP_BROADCAST_END:
         return again ? CSP_DONE
-                     : csp_broadcast_read(party, (csp_broadcast_end *)(void *)medium, value, sizeof(*value));
+                     : csp_broadcast_read(csp, party, (csp_broadcast_end *)(void *)medium, value, sizeof(*value));
     case CSP_SAMPLED_END:
-        return csp_sampled_read(party, (csp_sampled_end *)(void *)medium, value, sizeof(*value));
+        return csp_sampled_read(csp, party, (csp_sampled_end *)(void *)medium, value, sizeof(*value));
     default:
-        return again ? csp_event_read_again(party, (csp_event_end *)(void *)medium, value, sizeof(*value))
-                     : csp_event_read(party, (csp_event_end *)(void *)medium, value, sizeof(*value));
+        return again ? csp_event_read_again(csp, party, (csp_event_end *)(void *)medium, value, sizeof(*value))
+                     : csp_event_read(csp, party, (csp_event_end *)(void *)medium, value, sizeof(*value));
     }
 }
 
-static csp_progress write_to(csp_party *party, csp_medium *medium, int64_t *value)
+static csp_progress write_to(csp_kernel *csp, csp_party *party, csp_medium *medium, int64_t *value)
 {
     switch (medium->kind) {
     case CSP_CHANNEL:
-        return csp_channel_write(party, (csp_channel *)(void *)medium, value, sizeof(*value));
+        return csp_channel_write(csp, party, (csp_channel *)(void *)medium, value, sizeof(*value));
     case CSP_GUARDED:
-        return csp_guarded_write(party, (csp_guarded_channel *)(void *)medium, value, sizeof(*value));
+        return csp_guarded_write(csp, party, (csp_guarded_channel *)(void *)medium, value, sizeof(*value));
     case CSP_ANY:
-        return csp_any_write(party, (csp_any_channel *)(void *)medium, value, sizeof(*value));
+        return csp_any_write(csp, party, (csp_any_channel *)(void *)medium, value, sizeof(*value));
     case CSP_BUFFER:
-        return csp_buffer_write(party, (csp_buffer *)(void *)medium, value, sizeof(*value));
+        return csp_buffer_write(csp, party, (csp_buffer *)(void *)medium, value, sizeof(*value));
     case CSP_BROADCAST:
-        return csp_broadcast_write(party, (csp_broadcast *)(void *)medium, value, sizeof(*value));
+        return csp_broadcast_write(csp, party, (csp_broadcast *)(void *)medium, value, sizeof(*value));
     default:
         return csp_latched_write(party, (csp_latched_output *)(void *)medium, value, sizeof(*value));
     }
@@ -65,62 +67,62 @@ static void prepare_guard(script *self, const script_step *step)
 }
 
 /* Begins the action of a step, or continues it. */
-static csp_progress act(csp_party *party, script *self, const script_step *step, bool again)
+static csp_progress act(csp_kernel *csp, csp_party *party, script *self, const script_step *step, bool again)
 {
     const bool cancelled = csp_is_cancelled(party);
     switch (step->action) {
     case READ:
         if (!again && cancelled) {
-            return csp_refuse(party);
+            return csp_refuse(csp, party);
         }
-        return read_from(party, step->medium, &self->value, again);
+        return read_from(csp, party, step->medium, &self->value, again);
     case WRITE:
         if (again) {
             return CSP_DONE;
         }
         if (cancelled) {
-            return csp_refuse(party);
+            return csp_refuse(csp, party);
         }
         self->written = (step->value == 0) ? self->value : step->value;
-        return write_to(party, step->medium, &self->written);
+        return write_to(csp, party, step->medium, &self->written);
     case SELECT:
-        return again ? csp_select_again(party, step->alternative) : csp_select(party, step->alternative);
+        return again ? csp_select_again(csp, party, step->alternative) : csp_select(csp, party, step->alternative);
     case DELAY:
-        return again ? csp_wait_again(party) : csp_wait(party, &self->timer, step->value * 1000000);
+        return again ? csp_wait_again(party) : csp_wait(csp, party, &self->timer, step->value * 1000000);
     case STOP:
-        return csp_stop(party);
+        return csp_stop(csp, party);
     case PARALLEL:
-        return again ? csp_par_again(party, &self->parallel)
-                     : csp_par(party, &self->parallel, step->branches, step->branch_runs);
+        return again ? csp_par_again(csp, party, &self->parallel)
+                     : csp_par(csp, party, &self->parallel, step->branches, step->branch_runs);
     case INTERRUPT:
         if (!again) {
             prepare_guard(self, step);
         }
-        return again ? csp_interruptible_again(party, &self->interrupt)
-                     : csp_interruptible(party, &self->interrupt);
+        return again ? csp_interruptible_again(csp, party, &self->interrupt)
+                     : csp_interruptible(csp, party, &self->interrupt);
     case OFFER: {
         const uint32_t position = self->offers.used;
         csp_party *offer = NULL;
         csp_progress progress = CSP_DONE;
         if (((step == self->steps) || (step[-1].action != OFFER)) &&
-            (csp_offers_begin(party, &self->offers) == CSP_FAILS)) {
+            (csp_offers_begin(csp, party, &self->offers) == CSP_FAILS)) {
             return CSP_FAILS;
         }
         offer = csp_offer_next(&self->offers);
         self->offered[position] = step->value;
-        if (csp_offer_refused(&self->offers, step->medium)) {
+        if (csp_offer_refused(csp, &self->offers, step->medium)) {
             progress = CSP_FAILS;
         } else if (step->writes) {
-            progress = write_to(offer, step->medium, &self->offered[position]);
+            progress = write_to(csp, offer, step->medium, &self->offered[position]);
         } else {
-            progress = read_from(offer, step->medium, &self->offered[position], false);
+            progress = read_from(csp, offer, step->medium, &self->offered[position], false);
         }
-        return csp_offer_made(&self->offers, step->medium, sizeof(int64_t), progress);
+        return csp_offer_made(csp, &self->offers, step->medium, sizeof(int64_t), progress);
     }
     case TOGETHER:
         return again ? csp_offers_again(party, &self->offers) : csp_offers_wait(&self->offers);
     case SAY:
-        printf("%6.1f ms  %s: %s %lld\n", (double)csp.now / 1e6, self->name, step->text,
+        printf("%6.1f ms  %s: %s %lld\n", (double)csp->now / 1e6, self->name, step->text,
                (long long)self->value);
         return CSP_DONE;
     default:
@@ -149,7 +151,7 @@ static uint16_t following(script *self, const script_step *step, uint16_t number
     }
 }
 
-static csp_party *script_step_function(csp_party *party)
+static csp_party *script_step_function(csp_kernel *csp, csp_party *party)
 {
     script *const self = (script *)(void *)party;
     uint16_t number = 0U;
@@ -158,7 +160,7 @@ static csp_party *script_step_function(csp_party *party)
     if (party->state == 0U) {
         self->repeated = 0;
         self->caught = 0U;
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
     } else if (party->state == (uint16_t)FAILS) {
         progress = CSP_FAILS;
     } else {
@@ -168,8 +170,8 @@ static csp_party *script_step_function(csp_party *party)
     for (;;) {
         const script_step *const step = &self->steps[number];
         if (progress == CSP_FAILS) {
-            csp_unwind(party);
-            if ((self->caught == 0U) || !csp_catch(self->caught)) {
+            csp_unwind(csp, party);
+            if ((self->caught == 0U) || !csp_catch(csp, self->caught)) {
                 break;
             }
             self->caught = 0U;
@@ -179,15 +181,15 @@ static csp_party *script_step_function(csp_party *party)
         }
         if (step->action == END) {
             csp_ends_close(&self->ends);
-            csp_observe_end(party->number);
-            return csp_end(party);
+            csp_observe_end(csp, party->number);
+            return csp_end(csp, party);
         }
         if ((step->action == CALL) && !again) {
             party->state = (uint16_t)(number + 1U);
             return csp_call(party, &step->process->process);
         }
-        progress = (step->action == RAISE) ? csp_raise(party, step->exception, "test.csp:1")
-                                           : act(party, self, step, again);
+        progress = (step->action == RAISE) ? csp_raise(csp, party, step->exception, "test.csp:1")
+                                           : act(csp, party, self, step, again);
         again = false;
         if (progress != CSP_DONE) {
             party->state = (uint16_t)(number + 1U);
@@ -200,8 +202,8 @@ static csp_party *script_step_function(csp_party *party)
         }
     }
     csp_ends_close(&self->ends);
-    csp_observe_end(party->number);
-    return csp_fail(party);
+    csp_observe_end(csp, party->number);
+    return csp_fail(csp, party);
 }
 
 static uint8_t waiting_of(const script_step *step)
@@ -292,59 +294,73 @@ static void name_channel(uint32_t number, char *text, size_t size)
     (void)snprintf(text, size, "%s", names[number]);
 }
 
-void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
+void csp_observe(csp_kernel *csp, uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
-    printf("%6.1f ms  %s %lld  %s -> %s\n", (double)csp.now / 1e6, names[channel], (long long)*(const int64_t *)value,
+    printf("%6.1f ms  %s %lld  %s -> %s\n", (double)csp->now / 1e6, names[channel], (long long)*(const int64_t *)value,
            (writer == 0U) ? "outside" : all[writer - 1U].name, (reader == 0U) ? "outside" : all[reader - 1U].name);
 }
 
-void csp_observe_sample(uint32_t port, const void *value)
+void csp_observe_sample(csp_kernel *csp, uint32_t port, const void *value)
 {
+    (void)csp;
     (void)port;
     (void)value;
 }
 
-void csp_observe_release(uint32_t port, const void *value)
+void csp_observe_release(csp_kernel *csp, uint32_t port, const void *value)
 {
-    printf("%6.1f ms  release %s %lld\n", (double)csp.now / 1e6, names[port],
+    printf("%6.1f ms  release %s %lld\n", (double)csp->now / 1e6, names[port],
            (long long)*(const int64_t *)value);
 }
 
-void csp_observe_begin(uint32_t number)
+void csp_observe_begin(csp_kernel *csp, uint32_t number)
 {
-    printf("%6.1f ms  %s begins\n", (double)csp.now / 1e6, all[number - 1U].name);
+    printf("%6.1f ms  %s begins\n", (double)csp->now / 1e6, all[number - 1U].name);
 }
 
-void csp_observe_end(uint32_t number)
+void csp_observe_end(csp_kernel *csp, uint32_t number)
 {
-    printf("%6.1f ms  %s ends\n", (double)csp.now / 1e6, all[number - 1U].name);
+    printf("%6.1f ms  %s ends\n", (double)csp->now / 1e6, all[number - 1U].name);
 }
 
-static void print_waiting(const csp_program *program, const csp_waiting_process *waiting)
+static void print_waiting(csp_kernel *csp, const csp_waiting_process *waiting)
 {
     char text[200];
-    csp_describe_waiting(program, waiting, text, sizeof(text));
+    csp_describe_waiting(csp, waiting, text, sizeof(text));
     printf("           %s\n", text);
 }
 
-void script_run(script *scripts, const char *const *channel_names, const csp_port *ports, uint32_t port_count,
+/* The parts of these programs are variables of their own, at any distance from the kernel. */
+static ptrdiff_t way_to(const void *part)
+{
+    return (ptrdiff_t)((intptr_t)part - (intptr_t)&script_kernel);
+}
+
+void script_run(script *scripts, const char *const *channel_names, const script_port *ports, uint32_t port_count,
                 csp_environment *environment, int64_t until)
 {
     static const char *const exceptions[] = {"Alarm", "Other"};
     static const char *const endings[] = {"terminated", "failed", "deadlock", "time limit", "stopped"};
-    const csp_program program = {&scripts[0].process, ports, port_count, environment, name_process, name_channel,
-                                 exceptions, false};
+    static csp_port table[SCRIPT_PORTS];
+    const csp_program program = {
+        .process = way_to(&scripts[0].process), .ports = table, .port_count = port_count, .environment = environment,
+        .process_name = name_process, .channel_name = name_channel, .exception_names = exceptions};
+    csp_kernel *const csp = &script_kernel;
     char text[200];
     names = channel_names;
     all = scripts;
-    csp_begin_building();
-    const csp_ending ending = csp_run(&program, until);
-    printf("%6.1f ms  %s\n", (double)csp.now / 1e6, endings[ending]);
+    for (uint32_t index = 0U; index < port_count; index++) {
+        const csp_port port = {ports[index].kind, way_to(ports[index].medium), ports[index].safe, NULL};
+        table[index] = port;
+    }
+    csp_build(csp, &program, csp_port_hooks());
+    const csp_ending ending = csp_run(csp, until);
+    printf("%6.1f ms  %s\n", (double)csp->now / 1e6, endings[ending]);
     if (ending == CSP_DEADLOCK) {
-        csp_report_waiting(&program, print_waiting);
+        csp_report_waiting(csp, print_waiting);
     }
     if (ending == CSP_FAILED) {
-        csp_describe_error(&program, text, sizeof(text));
+        csp_describe_error(csp, text, sizeof(text));
         printf("           %s\n", text);
     }
 }

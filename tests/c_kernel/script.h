@@ -7,7 +7,7 @@
 
 #include "csp.h"
 
-enum { SCRIPT_STEPS = 24, SCRIPT_OFFERS = 4 };
+enum { SCRIPT_STEPS = 24, SCRIPT_OFFERS = 4, SCRIPT_PORTS = 8 };
 
 typedef enum script_action {
     END = 0, /* the process ends; or, if `exception` is set, it is raised */
@@ -71,8 +71,17 @@ struct script {
 /* Branches and called processes are in an array of scripts: offsets count from `parent`. */
 void script_init(script *self, uint32_t number, const char *name, const script_step *steps);
 
+/* A port of the program, as csp_port. */
+typedef struct script_port {
+    csp_port_kind kind;
+    csp_medium *medium;
+    const void *safe;
+} script_port;
+
+extern csp_kernel script_kernel;
+
 /* Runs the first of `scripts`, and prints how that ends. Names of channels by number. */
-void script_run(script *scripts, const char *const *channel_names, const csp_port *ports, uint32_t port_count,
+void script_run(script *scripts, const char *const *channel_names, const script_port *ports, uint32_t port_count,
                 csp_environment *environment, int64_t until);
 
 #endif

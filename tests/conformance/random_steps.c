@@ -26,10 +26,10 @@ static void require(bool condition, const char *promise)
 }
 
 /* Between nothing and some tens of milliseconds, or up to the next instant, or just before it. */
-static int64_t next_end(int64_t from)
+static int64_t next_end(csp_kernel *csp, int64_t from)
 {
     static const int64_t units[] = {1, 1000, 100000, 1000000, 10000000};
-    const int64_t due = csp_next();
+    const int64_t due = csp_next(csp);
     switch (chosen(4U)) {
     case 0U:
         return from;
@@ -47,39 +47,40 @@ static uint32_t some_steps(void)
     return (chosen(3U) == 0U) ? 65536U : chosen(5U);
 }
 
-csp_ending csp_run(const csp_program *program, int64_t until)
+csp_ending csp_run(csp_kernel *csp, int64_t until)
 {
     const int64_t last = ((until >= 0) && (until < CSP_END_OF_TIME)) ? until : CSP_END_OF_TIME;
     int64_t end = 0;
-    csp_ending ending = csp_begin(program);
+    csp_own(csp);
+    csp_ending ending = csp_begin(csp);
     if (ending == CSP_NOT_INITIALIZED) {
         return ending;
     }
-    require(csp_begin(program) == CSP_NOT_INITIALIZED, "a network is built before each run");
+    require(csp_begin(csp) == CSP_NOT_INITIALIZED, "a network is built before each run");
     csp_port_start();
     while ((ending == CSP_BUDGET) || ((ending == CSP_MORE) && (end < last))) {
         if (ending == CSP_MORE) {
-            end = next_end(end);
+            end = next_end(csp, end);
             end = (end < last) ? end : last;
         }
-        ending = csp_advance(end, some_steps());
+        ending = csp_advance(csp, end, some_steps());
         if (ending == CSP_MORE) {
-            require(csp_next() > end, "after a step nothing is due");
-            require(csp_advance(end - 1, 1U) == CSP_REFUSED, "a step backwards is refused");
+            require(csp_next(csp) > end, "after a step nothing is due");
+            require(csp_advance(csp, end - 1, 1U) == CSP_REFUSED, "a step backwards is refused");
         } else if (ending == CSP_BUDGET) {
-            require(csp_next() <= end, "when the steps are used up, something is due");
+            require(csp_next(csp) <= end, "when the steps are used up, something is due");
         } else {
-            require(csp_next() == INT64_MAX, "after the end nothing is due");
-            require(csp_advance(end, 1U) == ending, "a run that has ended answers in the same way again");
+            require(csp_next(csp) == INT64_MAX, "after the end nothing is due");
+            require(csp_advance(csp, end, 1U) == ending, "a run that has ended answers in the same way again");
         }
     }
     if (ending == CSP_MORE) {
-        require(csp_advance(INT64_MAX, 1U) == CSP_REFUSED, "a step beyond the end of time is refused");
+        require(csp_advance(csp, INT64_MAX, 1U) == CSP_REFUSED, "a step beyond the end of time is refused");
         ending = CSP_TIME_LIMIT;
-        csp.now = last;
+        csp->now = last;
     }
-    csp_finish();
-    require(csp_advance(end, 1U) == CSP_NOT_INITIALIZED, "no step after the end");
-    csp_port_finish(program);
+    csp_finish(csp);
+    require(csp_advance(csp, end, 1U) == CSP_NOT_INITIALIZED, "no step after the end");
+    csp_port_finish(csp);
     return ending;
 }

@@ -39,7 +39,7 @@ class FileFacts:
 
 @record
 class MemoryReport:
-    """The bytes of a program: ``data`` for all its variables, ``stack`` for the deepest stack.
+    """The bytes of a program: ``data`` for all its state, ``stack`` for the deepest stack.
 
     ``exact`` says whether the calls of all functions were known, so the stack is a bound and not an estimate.
     """
@@ -88,7 +88,7 @@ def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) ->
     functions = {name: function for file in facts.values() for name, function in file.functions.items()}
     exact = all(function.calls is not None for function in functions.values())
     stack = deepest(functions) if exact else _estimated(functions)
-    data = sum(size for file in facts.values() for size in file.variables.values())
+    data = sizes.whole + sum(size for file in facts.values() for size in file.variables.values())
     return MemoryReport(build.compiler.version, sizes, data, stack, exact)
 
 

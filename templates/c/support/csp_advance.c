@@ -1,45 +1,58 @@
 /* A run in steps: what is due up to an instant, and how the run ends. It never waits; csp_run waits between the steps. */
-#include "csp_arithmetic.h"
 #include "csp_internal.h"
-#include "csp_port.h"
 #include "csp_shared.h"
 
-static const csp_program *running; /* between csp_begin and csp_finish; NULL: none */
-static csp_ending ending;          /* CSP_MORE, or how the run has ended */
-static int64_t reached;            /* the instant up to which the run has advanced */
-static bool entered;               /* csp_advance has been called */
-static bool built;
-static volatile bool stop_requested;
-static volatile bool news; /* an interrupt handler has brought an event since the last were taken over */
-static volatile uint32_t iterations;
-static uint32_t awaited; /* the port for which something waited last */
-
-void csp_begin_building(void)
+void csp_build(csp_kernel *csp, const csp_program *program, const csp_hooks *hooks)
 {
-    (void)memset(&csp, 0, sizeof csp);
-    csp_fault.describe = NULL;
-    csp_timers_reset();
-    CSP_STORE(stop_requested, false);
-    CSP_STORE(news, false);
-    awaited = 0U;
-    built = true;
+    (void)memset(csp, 0, sizeof *csp);
+    csp->program = program;
+    csp->hooks = hooks;
+    csp->real_time = (hooks != NULL) && hooks->real_time;
+    csp->phase = (uint8_t)CSP_BUILT;
 }
 
-void csp_request_stop(void)
+uint32_t csp_lock(csp_kernel *csp)
 {
-    CSP_STORE(stop_requested, true);
-    csp_port_wake();
+    const csp_hooks *const hooks = csp->hooks;
+    return ((hooks != NULL) && (hooks->lock != NULL)) ? hooks->lock(hooks->context) : 0U;
 }
 
-uint32_t csp_iterations(void)
+void csp_unlock(csp_kernel *csp, uint32_t outside)
 {
-    return CSP_LOAD(iterations);
+    const csp_hooks *const hooks = csp->hooks;
+    if ((hooks != NULL) && (hooks->unlock != NULL)) {
+        hooks->unlock(hooks->context, outside);
+    }
 }
 
-static void begin_turn(void)
+static void wake(csp_kernel *csp)
 {
-    CSP_NOTE(iterations, iterations + 1U);
-    csp_port_alive();
+    const csp_hooks *const hooks = csp->hooks;
+    if ((hooks != NULL) && (hooks->wake != NULL)) {
+        hooks->wake(hooks->context);
+    }
+}
+
+void csp_request_stop(csp_kernel *csp)
+{
+    if (csp != NULL) {
+        CSP_STORE(csp->stop_requested, true);
+        wake(csp);
+    }
+}
+
+uint32_t csp_iterations(csp_kernel *csp)
+{
+    return (csp != NULL) ? CSP_LOAD(csp->iterations) : 0U;
+}
+
+static inline void begin_turn(csp_kernel *csp)
+{
+    const csp_hooks *const hooks = csp->hooks;
+    CSP_NOTE(csp->iterations, csp->iterations + 1U);
+    if ((hooks != NULL) && (hooks->alive != NULL)) {
+        hooks->alive(hooks->context);
+    }
 }
 
 static int64_t earlier(int64_t one, int64_t other)
@@ -53,33 +66,33 @@ static int64_t later(int64_t one, int64_t other)
 }
 
 /* Whether a port can make a process ready, or will write a value. With real devices, interrupt handlers may bring events. */
-static bool port_can_come(const csp_program *program, const csp_port *port)
+static bool port_can_come(csp_kernel *csp, const csp_port *port)
 {
     switch (port->kind) {
     case CSP_PORT_SAMPLED:
-        return csp_sampled_can_come((const csp_sampled_input *)(const void *)port->medium);
+        return csp_sampled_can_come((const csp_sampled_input *)(const void *)csp_medium_of(csp, port));
     case CSP_PORT_EVENT:
-        return csp_event_can_come((const csp_event_input *)(const void *)port->medium,
-                                  !csp_port_virtual_time && (program->environment == NULL));
+        return csp_event_can_come((const csp_event_input *)(const void *)csp_medium_of(csp, port),
+                                  csp->program->environment == NULL);
     case CSP_PORT_LATCHED:
-        return ((const csp_latched_output *)(const void *)port->medium)->written;
+        return ((const csp_latched_output *)(const void *)csp_medium_of(csp, port))->written;
     default:
         return false;
     }
 }
 
 /* Whether anything can make a process ready or write a value later. */
-static bool can_come(const csp_program *program)
+static bool can_come(csp_kernel *csp)
 {
-    if (csp_timer_next() != INT64_MAX) {
+    if (csp_timer_next(csp) != INT64_MAX) {
         return true;
     }
-    if ((awaited < program->port_count) && port_can_come(program, &program->ports[awaited])) {
+    if ((csp->awaited < csp->program->port_count) && port_can_come(csp, &csp->program->ports[csp->awaited])) {
         return true;
     }
-    for (uint32_t index = 0U; index < program->port_count; index++) {
-        if (port_can_come(program, &program->ports[index])) {
-            awaited = index;
+    for (uint32_t index = 0U; index < csp->program->port_count; index++) {
+        if (port_can_come(csp, &csp->program->ports[index])) {
+            csp->awaited = index;
             return true;
         }
     }
@@ -88,44 +101,50 @@ static bool can_come(const csp_program *program)
 
 /* ---- Ends ---- */
 
-static csp_ending end_with(csp_ending how)
+/* Whether the run continues. */
+static bool runs(csp_kernel *csp)
 {
-    ending = how;
+    return (csp->phase == (uint8_t)CSP_RUNNING) && (csp->ending == (uint8_t)CSP_MORE);
+}
+
+static csp_ending end_with(csp_kernel *csp, csp_ending how)
+{
+    csp->ending = (uint8_t)how;
     return how;
 }
 
-static csp_ending ended_by_itself(void)
+static csp_ending ended_by_itself(csp_kernel *csp)
 {
-    return end_with((csp.error.exception == (uint16_t)CSP_NO_EXCEPTION) ? CSP_TERMINATED : CSP_FAILED);
+    return end_with(csp, (csp->error.exception == (uint16_t)CSP_NO_EXCEPTION) ? CSP_TERMINATED : CSP_FAILED);
 }
 
-static bool has_ended(void)
+static bool has_ended(csp_kernel *csp)
 {
-    return (running->process->party.flags & (unsigned)CSP_ENDED) != 0U;
+    return (csp_outermost(csp)->party.flags & (unsigned)CSP_ENDED) != 0U;
 }
 
-static csp_ending environment_failed(void)
+static csp_ending environment_failed(csp_kernel *csp)
 {
-    csp.error.exception = (uint16_t)CSP_NO_EXCEPTION;
-    return end_with(CSP_FAILED);
+    csp->error.exception = (uint16_t)CSP_NO_EXCEPTION;
+    return end_with(csp, CSP_FAILED);
 }
 
 /* ---- Events that interrupt handlers have brought ---- */
 
-void csp_announce_event(void)
+void csp_announce_event(csp_kernel *csp)
 {
-    CSP_STORE(news, true);
-    csp_port_wake();
+    CSP_STORE(csp->news, true);
+    wake(csp);
 }
 
 /* Makes these events occur, before the next instant. */
-static void take_over(int64_t present)
+static void take_over(csp_kernel *csp, int64_t present)
 {
-    CSP_STORE(news, false);
-    csp.now = later(csp.now, earlier(present, csp_instants_next() - 1));
-    for (uint32_t index = 0U; index < running->port_count; index++) {
-        if (running->ports[index].kind == CSP_PORT_EVENT) {
-            csp_event_take_over((csp_event_input *)(void *)running->ports[index].medium);
+    CSP_STORE(csp->news, false);
+    csp->now = later(csp->now, earlier(present, csp_instants_next(csp) - 1));
+    for (uint32_t index = 0U; index < csp->program->port_count; index++) {
+        if (csp->program->ports[index].kind == CSP_PORT_EVENT) {
+            csp_event_take_over(csp, (csp_event_input *)(void *)csp_medium_of(csp, &csp->program->ports[index]));
         }
     }
 }
@@ -133,112 +152,113 @@ static void take_over(int64_t present)
 /* ---- Instants ---- */
 
 /* Executes an instant that is due. In virtual time it is the present one; against a clock everything up to `until` has passed. */
-static inline bool meet(int64_t instant, int64_t until)
+static inline bool meet(csp_kernel *csp, int64_t instant, int64_t until)
 {
-    if (csp_port_virtual_time) {
-        return csp_instants_meet(running, instant, instant);
+    if (!csp->real_time) {
+        return csp_instants_meet(csp, instant, instant);
     }
-    csp_port_met(instant);
-    return csp_instants_meet(running, instant, until);
+    if (csp->hooks->met != NULL) {
+        csp->hooks->met(csp->hooks->context, instant);
+    }
+    return csp_instants_meet(csp, instant, until);
 }
 
 /* Against a clock, everything that has happened since the last step comes before the next steps of processes, so a process that computes too long misses
  * samples. Returns whether the run continues. */
-static bool catch_up(int64_t until)
+static bool catch_up(csp_kernel *csp, int64_t until)
 {
-    for (int64_t instant = csp_instants_next(); instant <= until; instant = csp_instants_next()) {
-        if (CSP_LOAD(stop_requested)) {
-            (void)end_with(CSP_STOPPED);
+    for (int64_t instant = csp_instants_next(csp); instant <= until; instant = csp_instants_next(csp)) {
+        if (CSP_LOAD(csp->stop_requested)) {
+            (void)end_with(csp, CSP_STOPPED);
             return false;
         }
-        if (!meet(instant, until)) {
-            (void)environment_failed();
+        if (!meet(csp, instant, until)) {
+            (void)environment_failed(csp);
             return false;
         }
     }
-    if (CSP_LOAD(news)) {
-        take_over(until);
+    if (CSP_LOAD(csp->news)) {
+        take_over(csp, until);
     }
     return true;
 }
 
 /* ---- The interface ---- */
 
-csp_ending csp_begin(const csp_program *program)
+csp_ending csp_begin(csp_kernel *csp)
 {
-    if (!built) {
+    const csp_environment *const environment = csp->program->environment;
+    csp_process *const process = csp_outermost(csp);
+    if (csp->phase != (uint8_t)CSP_BUILT) {
         return CSP_NOT_INITIALIZED;
     }
-    built = false;
-    running = program;
-    ending = CSP_MORE;
-    reached = 0;
-    entered = false;
-    csp_begin_driving(program);
-    if ((program->environment != NULL) && (program->environment->start != NULL) && !program->environment->start()) {
-        return environment_failed();
+    csp->phase = (uint8_t)CSP_RUNNING;
+    csp->ending = (uint8_t)CSP_MORE;
+    csp_begin_driving(csp);
+    if ((environment != NULL) && (environment->start != NULL) && !environment->start(csp)) {
+        return environment_failed(csp);
     }
-    csp_instants_begin(program);
-    program->process->party.flags = 0U;
-    program->process->party.state = 0U;
-    csp_ready(&program->process->party);
-    return ending;
+    csp_instants_begin(csp);
+    process->party.flags = 0U;
+    process->party.state = 0U;
+    csp_ready(csp, &process->party);
+    return CSP_MORE;
 }
 
-csp_ending csp_advance(int64_t until, uint32_t steps)
+csp_ending csp_advance(csp_kernel *csp, int64_t until, uint32_t steps)
 {
     uint32_t left = steps;
-    if ((running == NULL) || (ending != CSP_MORE)) {
-        return (running == NULL) ? CSP_NOT_INITIALIZED : ending;
+    if (!runs(csp)) {
+        return (csp->phase == (uint8_t)CSP_RUNNING) ? (csp_ending)csp->ending : CSP_NOT_INITIALIZED;
     }
-    if ((until < reached) || (until > CSP_END_OF_TIME)) {
+    if ((until < csp->reached) || (until > CSP_END_OF_TIME)) {
         return CSP_REFUSED;
     }
-    begin_turn();
-    if (entered && !csp_port_virtual_time && !catch_up(until)) {
-        return ending;
+    begin_turn(csp);
+    if (csp->entered && csp->real_time && !catch_up(csp, until)) {
+        return (csp_ending)csp->ending;
     }
-    entered = true;
+    csp->entered = true;
     for (;;) {
-        const bool ready = csp_run_ready(&left);
-        if (has_ended()) {
-            return ended_by_itself();
+        const bool ready = csp_run_ready(csp, &left);
+        if (has_ended(csp)) {
+            return ended_by_itself(csp);
         }
-        if (CSP_LOAD(stop_requested)) {
-            return end_with(CSP_STOPPED);
+        if (CSP_LOAD(csp->stop_requested)) {
+            return end_with(csp, CSP_STOPPED);
         }
         if (ready) {
             return CSP_BUDGET;
         }
-        if (CSP_LOAD(news)) {
-            take_over(csp_port_virtual_time ? reached : until);
+        if (CSP_LOAD(csp->news)) {
+            take_over(csp, csp->real_time ? until : csp->reached);
             continue;
         }
-        if ((csp_timer_next() == INT64_MAX) && !can_come(running)) {
-            return end_with(CSP_DEADLOCK);
+        if ((csp_timer_next(csp) == INT64_MAX) && !can_come(csp)) {
+            return end_with(csp, CSP_DEADLOCK);
         }
-        const int64_t instant = csp_instants_next();
+        const int64_t instant = csp_instants_next(csp);
         if (instant > until) {
-            reached = until;
+            csp->reached = until;
             return CSP_MORE;
         }
-        if (!meet(instant, until)) {
-            return environment_failed();
+        if (!meet(csp, instant, until)) {
+            return environment_failed(csp);
         }
-        begin_turn();
+        begin_turn(csp);
     }
 }
 
-int64_t csp_next(void)
+int64_t csp_next(csp_kernel *csp)
 {
-    if ((running == NULL) || (ending != CSP_MORE)) {
+    if (!runs(csp)) {
         return INT64_MAX;
     }
-    return (csp_is_ready() || CSP_LOAD(news)) ? reached : csp_instants_next();
+    return (csp_is_ready(csp) || CSP_LOAD(csp->news)) ? csp->reached : csp_instants_next(csp);
 }
 
-void csp_finish(void)
+void csp_finish(csp_kernel *csp)
 {
-    csp_release_outputs();
-    running = NULL;
+    csp_release_outputs(csp);
+    csp->phase = (uint8_t)CSP_FINISHED;
 }

@@ -25,26 +25,26 @@ bool csp_is_enabled(const csp_guard *guard)
     return (word & bit_of(guard->index)) != 0U;
 }
 
-static inline void wake(csp_alternative *alternative)
+static inline void wake(csp_kernel *csp, csp_alternative *alternative)
 {
     if (alternative->interrupt != NULL) {
         alternative->woken = true;
-        csp_interrupt_wake(alternative->interrupt);
+        csp_interrupt_wake(csp, alternative->interrupt);
     } else if (!alternative->woken) {
         alternative->woken = true;
-        csp_ready(alternative->process);
+        csp_ready(csp, alternative->process);
     } else {
         /* It is already in the ready queue. */
     }
 }
 
-void csp_raise_all(csp_guard *watchers)
+void csp_raise_all(csp_kernel *csp, csp_guard *watchers)
 {
     for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
         csp_set_bit(guard);
         if (guard->alternative->armed && csp_is_enabled(guard)) {
             guard->alternative->armed = false;
-            wake(guard->alternative);
+            wake(csp, guard->alternative);
         }
     }
 }
@@ -73,12 +73,12 @@ static uint32_t first_of_words(const csp_alternative *alternative, uint32_t firs
     return (ready != 0U) ? ((word * CSP_WORD_BITS) + csp_lowest_bit(ready)) : alternative->count;
 }
 
-static void clear_time_outs(csp_alternative *alternative)
+static void clear_time_outs(csp_kernel *csp, csp_alternative *alternative)
 {
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
         if (guard->kind == (uint8_t)CSP_GUARD_AFTER) {
-            (void)csp_timer_stop(guard->at.timer);
+            (void)csp_timer_stop(csp, guard->at.timer);
             csp_clear_bit(guard);
         }
     }
@@ -97,55 +97,55 @@ bool csp_time_outs_passed(csp_alternative *alternative)
     return passed;
 }
 
-static void begin_time_outs(csp_alternative *alternative)
+static void begin_time_outs(csp_kernel *csp, csp_alternative *alternative)
 {
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
         if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard)) {
             guard->at.timer->party = NULL;
             guard->at.timer->guard = guard;
-            csp_timer_begin(guard->at.timer, csp_after(guard->with.duration));
+            csp_timer_begin(csp, guard->at.timer, csp_after(csp, guard->with.duration));
         }
     }
 }
 
-static void enroll_all(csp_alternative *alternative)
+static void enroll_all(csp_kernel *csp, csp_alternative *alternative)
 {
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
         if (guard->attends && csp_is_enabled(guard) && !guard->is_enrolled) {
-            csp_enroll(guard);
+            csp_enroll(csp, guard);
         }
     }
 }
 
-static inline void begin_waiting(csp_party *party, csp_alternative *alternative)
+static inline void begin_waiting(csp_kernel *csp, csp_party *party, csp_alternative *alternative)
 {
     alternative->process = party;
-    alternative->began = ++csp.begun;
+    alternative->began = ++csp->begun;
     alternative->waits = true;
     alternative->solved = false;
     alternative->woken = false;
     if (alternative->time_outs > 0U) {
-        begin_time_outs(alternative);
+        begin_time_outs(csp, alternative);
     }
     alternative->armed = true;
     if (alternative->attending > 0U) {
-        enroll_all(alternative);
+        enroll_all(csp, alternative);
     }
 }
 
-void csp_begin_waiting(csp_party *party, csp_alternative *alternative)
+void csp_begin_waiting(csp_kernel *csp, csp_party *party, csp_alternative *alternative)
 {
-    begin_waiting(party, alternative);
+    begin_waiting(csp, party, alternative);
 }
 
-void csp_end_waiting(csp_alternative *alternative)
+void csp_end_waiting(csp_kernel *csp, csp_alternative *alternative)
 {
     alternative->waits = false;
     alternative->armed = false;
     if (alternative->time_outs > 0U) {
-        clear_time_outs(alternative);
+        clear_time_outs(csp, alternative);
     }
     if (alternative->enrolls) {
         for (uint32_t index = 0U; index < alternative->count; index++) {
@@ -157,18 +157,19 @@ void csp_end_waiting(csp_alternative *alternative)
     }
 }
 
-void csp_resolve(csp_guard *guard)
+void csp_resolve(csp_kernel *csp, csp_guard *guard)
 {
     csp_alternative *const alternative = guard->alternative;
-    csp_end_waiting(alternative);
+    csp_end_waiting(csp, alternative);
     alternative->chosen = guard->index;
     alternative->solved = true;
-    wake(alternative);
+    wake(csp, alternative);
 }
 
 /* The promised value has been read: the process continues, but that of an interrupt only after its body has ended. */
-static csp_party *redeem(csp_party *party)
+static csp_party *redeem(csp_kernel *csp, csp_party *party)
 {
+    (void)csp;
     csp_alternative *const alternative = (csp_alternative *)(void *)((char *)party - offsetof(csp_alternative, pledge));
     alternative->pledged = false;
     if ((alternative->interrupt != NULL) && !csp_interrupt_waits(alternative->interrupt)) {
@@ -177,10 +178,10 @@ static csp_party *redeem(csp_party *party)
     return alternative->process;
 }
 
-csp_party *csp_pledge(csp_guard *guard)
+csp_party *csp_pledge(csp_kernel *csp, csp_guard *guard)
 {
     csp_alternative *const alternative = guard->alternative;
-    csp_end_waiting(alternative);
+    csp_end_waiting(csp, alternative);
     alternative->chosen = guard->index;
     alternative->solved = true;
     alternative->pledged = true;
@@ -188,12 +189,12 @@ csp_party *csp_pledge(csp_guard *guard)
     alternative->pledge.level = alternative->process->level;
     alternative->pledge.number = alternative->process->number;
     if (alternative->interrupt != NULL) {
-        wake(alternative);
+        wake(csp, alternative);
     }
     return &alternative->pledge;
 }
 
-bool csp_alternative_withdraw(csp_alternative *alternative, csp_party *party)
+bool csp_alternative_withdraw(csp_kernel *csp, csp_alternative *alternative, csp_party *party)
 {
     if (alternative->offers) {
         const bool waited = csp_withdraw(alternative->guard[alternative->chosen].medium, party);
@@ -211,24 +212,24 @@ bool csp_alternative_withdraw(csp_alternative *alternative, csp_party *party)
     } else if (!alternative->waits) {
         return false;
     } else {
-        csp_end_waiting(alternative);
+        csp_end_waiting(csp, alternative);
     }
     return !alternative->woken;
 }
 
-static csp_progress communicate(csp_party *party, csp_alternative *alternative, csp_guard *guard)
+static csp_progress communicate(csp_kernel *csp, csp_party *party, csp_alternative *alternative, csp_guard *guard)
 {
     if (alternative->time_outs > 0U) {
-        clear_time_outs(alternative);
+        clear_time_outs(csp, alternative);
     }
     switch (guard->kind) {
     case CSP_GUARD_INPUT:
-        return csp_take(party, guard);
+        return csp_take(csp, party, guard);
     case CSP_GUARD_READY:
-        csp_settle_input(guard);
+        csp_settle_input(csp, guard);
         return CSP_DONE;
     case CSP_GUARD_OUTPUT: {
-        const csp_progress progress = csp_choose_output(party, guard);
+        const csp_progress progress = csp_choose_output(csp, party, guard);
         alternative->offers = progress == CSP_WAITS;
         return progress;
     }
@@ -237,12 +238,12 @@ static csp_progress communicate(csp_party *party, csp_alternative *alternative, 
     }
 }
 
-csp_progress csp_communicate(csp_party *party, csp_alternative *alternative, csp_guard *guard)
+csp_progress csp_communicate(csp_kernel *csp, csp_party *party, csp_alternative *alternative, csp_guard *guard)
 {
     if ((alternative->quick != 0U) && (guard->kind == (uint8_t)CSP_GUARD_INPUT)) {
-        return csp_take(party, guard);
+        return csp_take(csp, party, guard);
     }
-    return communicate(party, alternative, guard);
+    return communicate(csp, party, alternative, guard);
 }
 
 /* The next fair choice starts after the guard that was chosen last. */
@@ -273,29 +274,29 @@ static inline uint32_t first_choice(const csp_alternative *alternative)
     return (index < alternative->count) ? index : first_of_words(alternative, 0U, ~(csp_word)0U);
 }
 
-static inline csp_progress choose(csp_party *party, csp_alternative *alternative, uint32_t index)
+static inline csp_progress choose(csp_kernel *csp, csp_party *party, csp_alternative *alternative, uint32_t index)
 {
     remember(alternative, index);
-    return csp_communicate(party, alternative, &alternative->guard[index]);
+    return csp_communicate(csp, party, alternative, &alternative->guard[index]);
 }
 
-csp_progress csp_select_any(csp_party *party, csp_alternative *alternative)
+csp_progress csp_select_any(csp_kernel *csp, csp_party *party, csp_alternative *alternative)
 {
     if (csp_is_cancelled(party)) {
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     if (alternative->time_outs > 0U) {
         (void)csp_time_outs_passed(alternative);
     }
     const uint32_t index = first_choice(alternative);
     if (index == alternative->count) {
-        begin_waiting(party, alternative);
+        begin_waiting(csp, party, alternative);
         return CSP_WAITS;
     }
-    return choose(party, alternative, index);
+    return choose(csp, party, alternative, index);
 }
 
-csp_progress csp_select_again(csp_party *party, csp_alternative *alternative)
+csp_progress csp_select_again(csp_kernel *csp, csp_party *party, csp_alternative *alternative)
 {
     if (alternative->offers) {
         alternative->offers = false;
@@ -311,18 +312,18 @@ csp_progress csp_select_again(csp_party *party, csp_alternative *alternative)
         return CSP_DONE;
     }
     if (csp_is_cancelled(party)) {
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     if ((csp_candidates(alternative) != 0U) && !alternative->enrolls) {
         alternative->waits = false;
         alternative->armed = false;
-        return csp_select(party, alternative);
+        return csp_select(csp, party, alternative);
     }
     const uint32_t index = first_choice(alternative);
     if (index == alternative->count) {
         alternative->armed = true;
         return CSP_WAITS;
     }
-    csp_end_waiting(alternative);
-    return choose(party, alternative, index);
+    csp_end_waiting(csp, alternative);
+    return choose(csp, party, alternative, index);
 }

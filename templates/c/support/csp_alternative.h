@@ -125,15 +125,15 @@ static inline void csp_clear_bit(const csp_guard *guard)
 }
 
 /* To be called when guards have become ready: wakes the alternatives that wait for them. */
-void csp_raise_all(csp_guard *watchers);
+void csp_raise_all(csp_kernel *csp, csp_guard *watchers);
 
-static inline void csp_raise_bits(csp_guard *watchers)
+static inline void csp_raise_bits(csp_kernel *csp, csp_guard *watchers)
 {
     if (watchers != NULL) {
         if ((watchers->next == NULL) && !watchers->alternative->armed) {
             csp_set_bit(watchers);
         } else {
-            csp_raise_all(watchers);
+            csp_raise_all(csp, watchers);
         }
     }
 }
@@ -171,10 +171,10 @@ static inline void csp_delay(csp_alternative *alternative, uint32_t index, int64
 
 /* CSP_AWAIT(csp_select(party, a), csp_select_again(party, a), ...): afterwards `a->chosen` is the index of the guard, and its communication has
  * taken place. */
-static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative);
+static inline csp_progress csp_select(csp_kernel *csp, csp_party *party, csp_alternative *alternative);
 /* The same where each of the `count` guards reads and none has a condition, and the choice is fair. */
-static inline csp_progress csp_select_inputs(csp_party *party, csp_alternative *alternative, uint32_t count);
-csp_progress csp_select_again(csp_party *party, csp_alternative *alternative);
+static inline csp_progress csp_select_inputs(csp_kernel *csp, csp_party *party, csp_alternative *alternative, uint32_t count);
+csp_progress csp_select_again(csp_kernel *csp, csp_party *party, csp_alternative *alternative);
 
 /* ---- Interrupt ---- */
 
@@ -197,7 +197,7 @@ void csp_interrupt_init(csp_interrupt *interrupt, uint32_t body);
 void csp_interrupt_prepare(csp_interrupt *interrupt);
 
 /* CSP_AWAIT(csp_interruptible(party, i), csp_interruptible_again(party, i), ...): afterwards, if `i->taken`, the branch of the guard is run. */
-csp_progress csp_interruptible(csp_party *party, csp_interrupt *interrupt);
-csp_progress csp_interruptible_again(csp_party *party, csp_interrupt *interrupt);
+csp_progress csp_interruptible(csp_kernel *csp, csp_party *party, csp_interrupt *interrupt);
+csp_progress csp_interruptible_again(csp_kernel *csp, csp_party *party, csp_interrupt *interrupt);
 
 #endif

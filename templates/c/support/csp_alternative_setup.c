@@ -36,7 +36,7 @@ void csp_guard_read(csp_alternative *alternative, uint32_t index, csp_medium *me
     guard->medium = medium;
     guard->at.slot = value;
     guard->size = (uint32_t)size;
-    csp_watch_input(guard);
+    csp_watch_input(NULL, guard);
 }
 
 void csp_guard_ready(csp_alternative *alternative, uint32_t index, csp_medium *medium)
@@ -44,7 +44,7 @@ void csp_guard_ready(csp_alternative *alternative, uint32_t index, csp_medium *m
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_READY;
     guard->medium = medium;
-    csp_watch_input(guard);
+    csp_watch_input(NULL, guard);
 }
 
 void csp_guard_write(csp_alternative *alternative, uint32_t index, csp_medium *medium, void *value, size_t size)
@@ -54,7 +54,7 @@ void csp_guard_write(csp_alternative *alternative, uint32_t index, csp_medium *m
     guard->medium = medium;
     guard->at.slot = value;
     guard->size = (uint32_t)size;
-    csp_watch_output(guard);
+    csp_watch_output(NULL, guard);
 }
 
 void csp_guard_after(csp_alternative *alternative, uint32_t index, csp_timer *timer)

@@ -35,46 +35,46 @@ void csp_any_left(csp_any_channel *channel)
     }
 }
 
-csp_progress csp_any_take(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+csp_progress csp_any_take(csp_kernel *csp, csp_party *party, csp_any_channel *channel, void *value, size_t size)
 {
     if (channel->writers.first != NULL) {
-        csp_any_from_writer(party, channel, value, size);
+        csp_any_from_writer(csp, party, channel, value, size);
         return CSP_DONE;
     }
     csp_guard *const writing = channel->writing;
     csp_copy(value, writing->at.slot, size);
-    csp_observe(channel->medium.number, value, writing->alternative->process->number, party->number);
-    csp_resolve(writing);
+    csp_observe(csp, channel->medium.number, value, writing->alternative->process->number, party->number);
+    csp_resolve(csp, writing);
     return CSP_DONE;
 }
 
-void csp_any_settle(csp_any_channel *channel)
+void csp_any_settle(csp_kernel *csp, csp_any_channel *channel)
 {
     if (channel->writers.first == NULL) {
         csp_guard *const writing = channel->writing;
         if (channel->readers.first != NULL) {
-            csp_resolve(writing);
-            csp_any_to_reader(writing->alternative->process, channel, writing->at.slot, writing->size);
+            csp_resolve(csp, writing);
+            csp_any_to_reader(csp, writing->alternative->process, channel, writing->at.slot, writing->size);
         } else {
-            csp_party *const pledge = csp_pledge(writing);
-            (void)csp_any_write(pledge, channel, writing->at.slot, writing->size);
+            csp_party *const pledge = csp_pledge(csp, writing);
+            (void)csp_any_write(csp, pledge, channel, writing->at.slot, writing->size);
         }
     }
 }
 
-csp_progress csp_any_choose_output(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+csp_progress csp_any_choose_output(csp_kernel *csp, csp_party *party, csp_any_channel *channel, void *value, size_t size)
 {
     if (channel->readers.first != NULL) {
-        csp_any_to_reader(party, channel, value, size);
+        csp_any_to_reader(csp, party, channel, value, size);
         return CSP_DONE;
     }
     csp_guard *const reading = channel->reading;
     if (reading->kind == (uint8_t)CSP_GUARD_READY) {
-        csp_resolve(reading);
-        return csp_any_write(party, channel, value, size);
+        csp_resolve(csp, reading);
+        return csp_any_write(csp, party, channel, value, size);
     }
     csp_copy(reading->at.slot, value, size);
-    csp_observe(channel->medium.number, value, party->number, reading->alternative->process->number);
-    csp_resolve(reading);
+    csp_observe(csp, channel->medium.number, value, party->number, reading->alternative->process->number);
+    csp_resolve(csp, reading);
     return CSP_DONE;
 }

@@ -3,13 +3,11 @@
 
 #include "csp_fault_text.h"
 
-csp_fault_note csp_fault;
-
 /* Notes a fault; the first one counts. */
-static void note(void (*describe)(const csp_operands *, char *, size_t), csp_operands operands)
+static void note(csp_kernel *csp, void (*describe)(const csp_operands *, char *, size_t), csp_operands operands)
 {
-    if (csp_fault.describe == NULL) {
-        csp_fault = (csp_fault_note){describe, operands, NULL, NULL};
+    if (csp->fault.describe == NULL) {
+        csp->fault = (csp_fault_note){describe, operands, NULL, NULL};
     }
 }
 
@@ -23,38 +21,38 @@ static csp_operands times(int64_t left, int64_t right)
     return (csp_operands){{left, right, 0}, 0.0, "time"};
 }
 
-bool csp_fault_at(const char *place)
+bool csp_fault_at(csp_kernel *csp, const char *place)
 {
-    if (csp_fault.place == NULL) {
-        csp_fault.place = place;
+    if (csp->fault.place == NULL) {
+        csp->fault.place = place;
     }
     return false;
 }
 
-int64_t csp_add_fails(int64_t left, int64_t right)
+int64_t csp_add_fails(csp_kernel *csp, int64_t left, int64_t right)
 {
-    note(csp_describe_sum, pair(left, right));
+    note(csp, csp_describe_sum, pair(left, right));
     return 0;
 }
 
-int64_t csp_subtract_fails(int64_t left, int64_t right)
+int64_t csp_subtract_fails(csp_kernel *csp, int64_t left, int64_t right)
 {
-    note(csp_describe_difference, pair(left, right));
+    note(csp, csp_describe_difference, pair(left, right));
     return 0;
 }
 
-int64_t csp_multiply_fails(int64_t left, int64_t right)
+int64_t csp_multiply_fails(csp_kernel *csp, int64_t left, int64_t right)
 {
-    note(csp_describe_product, pair(left, right));
+    note(csp, csp_describe_product, pair(left, right));
     return 0;
 }
 
-int64_t csp_division_fails(int64_t left, int64_t right)
+int64_t csp_division_fails(csp_kernel *csp, int64_t left, int64_t right)
 {
     if (right == 0) {
-        note(csp_describe_division, pair(left, right));
+        note(csp, csp_describe_division, pair(left, right));
     } else {
-        note(csp_describe_difference, pair(0, left)); /* the lowest number divided by -1 */
+        note(csp, csp_describe_difference, pair(0, left)); /* the lowest number divided by -1 */
     }
     return 0;
 }
@@ -71,48 +69,48 @@ static inline bool product_fits(int64_t left, int64_t right)
     return (right > 0) ? (left >= INT64_MIN / right) : (right >= INT64_MAX / left);
 }
 
-int64_t csp_multiply(int64_t left, int64_t right)
+int64_t csp_multiply(csp_kernel *csp, int64_t left, int64_t right)
 {
-    return product_fits(left, right) ? left * right : csp_multiply_fails(left, right);
+    return product_fits(left, right) ? left * right : csp_multiply_fails(csp, left, right);
 }
 
-int64_t csp_time_add_fails(int64_t left, int64_t right)
+int64_t csp_time_add_fails(csp_kernel *csp, int64_t left, int64_t right)
 {
-    note(csp_describe_sum, times(left, right));
+    note(csp, csp_describe_sum, times(left, right));
     return 0;
 }
 
-int64_t csp_time_subtract_fails(int64_t left, int64_t right)
+int64_t csp_time_subtract_fails(csp_kernel *csp, int64_t left, int64_t right)
 {
-    note(csp_describe_difference, times(left, right));
+    note(csp, csp_describe_difference, times(left, right));
     return 0;
 }
 
-int64_t csp_time_division_fails(int64_t left, int64_t right)
+int64_t csp_time_division_fails(csp_kernel *csp, int64_t left, int64_t right)
 {
-    return (right == 0) ? csp_division_fails(left, right) : csp_time_subtract_fails(0, left);
+    return (right == 0) ? csp_division_fails(csp, left, right) : csp_time_subtract_fails(csp, 0, left);
 }
 
-int64_t csp_time_multiply(int64_t left, int64_t right)
+int64_t csp_time_multiply(csp_kernel *csp, int64_t left, int64_t right)
 {
     if (!product_fits(left, right)) {
-        note(csp_describe_product, times(left, right));
+        note(csp, csp_describe_product, times(left, right));
         return 0;
     }
     return left * right;
 }
 
-int64_t csp_power(int64_t base, int64_t exponent)
+int64_t csp_power(csp_kernel *csp, int64_t base, int64_t exponent)
 {
     if (exponent < 0) {
-        note(csp_describe_negative_exponent, pair(base, exponent));
+        note(csp, csp_describe_negative_exponent, pair(base, exponent));
         return 0;
     }
     if ((base >= -1) && (base <= 1)) {
         return (exponent == 0) ? 1 : (((exponent % 2) == 0) ? base * base : base);
     }
     if (exponent > 63) {
-        note(csp_describe_power, pair(base, exponent));
+        note(csp, csp_describe_power, pair(base, exponent));
         return 0;
     }
     /* The magnitude of the result is at most 2^63, and the lowest number has that magnitude. */
@@ -122,7 +120,7 @@ int64_t csp_power(int64_t base, int64_t exponent)
     uint64_t result = 1;
     for (int64_t count = 0; count < exponent; count++) {
         if (result > greatest / magnitude) {
-            note(csp_describe_power_value, pair(base, exponent));
+            note(csp, csp_describe_power_value, pair(base, exponent));
             return 0;
         }
         result *= magnitude;
@@ -133,64 +131,64 @@ int64_t csp_power(int64_t base, int64_t exponent)
     return (int64_t)result;
 }
 
-int64_t csp_outside(const char *type, int64_t value, int64_t low, int64_t high)
+int64_t csp_outside(csp_kernel *csp, const char *type, int64_t value, int64_t low, int64_t high)
 {
-    note(csp_describe_outside, (csp_operands){{value, low, high}, 0.0, type});
+    note(csp, csp_describe_outside, (csp_operands){{value, low, high}, 0.0, type});
     return 0;
 }
 
-int64_t csp_whole_of_real(const char *type, double value, int64_t low, int64_t high)
+int64_t csp_whole_of_real(csp_kernel *csp, const char *type, double value, int64_t low, int64_t high)
 {
     if ((value > (double)low - 1.0) && (value < (double)high + 1.0)) {
         return (int64_t)value;
     }
-    note(csp_describe_real_outside, (csp_operands){{0, low, high}, value, type});
+    note(csp, csp_describe_real_outside, (csp_operands){{0, low, high}, value, type});
     return 0;
 }
 
-int64_t csp_int64_of_real(double value)
+int64_t csp_int64_of_real(csp_kernel *csp, double value)
 {
     if ((value >= -9223372036854775808.0) && (value < 9223372036854775808.0)) {
         return (int64_t)value;
     }
-    note(csp_describe_real_outside, (csp_operands){{0, INT64_MIN, INT64_MAX}, value, "int"});
+    note(csp, csp_describe_real_outside, (csp_operands){{0, INT64_MIN, INT64_MAX}, value, "int"});
     return 0;
 }
 
-int64_t csp_index_fails(int64_t index, int64_t size)
+int64_t csp_index_fails(csp_kernel *csp, int64_t index, int64_t size)
 {
-    note(csp_describe_index, pair(index, size));
+    note(csp, csp_describe_index, pair(index, size));
     return 0;
 }
 
-double csp_real_division_fails(void)
+double csp_real_division_fails(csp_kernel *csp)
 {
-    note(csp_describe_real_division, pair(0, 0));
+    note(csp, csp_describe_real_division, pair(0, 0));
     return 0.0;
 }
 
-double csp_real_fails(void)
+double csp_real_fails(csp_kernel *csp)
 {
-    note(csp_describe_not_a_number, pair(0, 0));
+    note(csp, csp_describe_not_a_number, pair(0, 0));
     return 0.0;
 }
 
-void csp_finite_at(double value, const char *place)
+void csp_finite_at(csp_kernel *csp, double value, const char *place)
 {
     if (!csp_is_finite(value)) {
-        (void)csp_real_fails();
-        (void)csp_fault_at(place);
+        (void)csp_real_fails(csp);
+        (void)csp_fault_at(csp, place);
     }
 }
 
-void csp_finite_fails(double value, const char *port)
+void csp_finite_fails(csp_kernel *csp, double value, const char *port)
 {
-    note(csp_describe_not_finite, (csp_operands){{0, 0, 0}, value, port});
+    note(csp, csp_describe_not_finite, (csp_operands){{0, 0, 0}, value, port});
 }
 
-void csp_not_written(const char *variable)
+void csp_not_written(csp_kernel *csp, const char *variable)
 {
-    note(csp_describe_not_written, (csp_operands){{0, 0, 0}, 0.0, variable});
+    note(csp, csp_describe_not_written, (csp_operands){{0, 0, 0}, 0.0, variable});
 }
 
 double csp_exp(double x)

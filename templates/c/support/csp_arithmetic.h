@@ -26,45 +26,36 @@
 
 /* ---- Faults ---- */
 
-typedef struct csp_fault_note {
-    void (*describe)(const csp_operands *operands, char *text, size_t size); /* NULL: there was no fault */
-    csp_operands operands;
-    const char *place; /* "laws.csp:12"; NULL: not known yet */
-    const char *law;   /* the control law in which it happened, or NULL */
-} csp_fault_note;
-
-extern csp_fault_note csp_fault;
-
-static inline bool csp_faulted(void)
+static inline bool csp_faulted(csp_kernel *csp)
 {
-    return csp_fault.describe != NULL;
+    return csp->fault.describe != NULL;
 }
 
 /* Records where the fault happened; returns false, for use in `return csp_fault_at(...)`. */
-bool csp_fault_at(const char *place);
+bool csp_fault_at(csp_kernel *csp, const char *place);
 
 /* The same in a function that continues; its caller checks for a fault. */
-static inline void csp_fault_in(const char *place)
+static inline void csp_fault_in(csp_kernel *csp, const char *place)
 {
-    if (csp_faulted()) {
-        (void)csp_fault_at(place);
+    if (csp_faulted(csp)) {
+        (void)csp_fault_at(csp, place);
     }
 }
 
 /* After a fault, returns false from a function that returns whether it succeeded. */
 #define CSP_CHECK_LAW(where)            \
     do {                                \
-        if (csp_faulted()) {            \
-            return csp_fault_at(where); \
+        if (csp_faulted(csp)) {            \
+            return csp_fault_at(csp, where); \
         }                               \
     } while (0)
 
 /* In the step function of a process: raises a fault at `where`, and jumps to FAILED, where the process handles failures. */
 #define CSP_FAULT(where, FAILED)               \
     do {                                       \
-        if (csp_faulted()) {                   \
-            (void)csp_fault_at(where);         \
-            (void)csp_raise_fault(party);      \
+        if (csp_faulted(csp)) {                   \
+            (void)csp_fault_at(csp, where);         \
+            (void)csp_raise_fault(csp, party);      \
             goto FAILED;                       \
         }                                      \
     } while (0)
@@ -72,10 +63,10 @@ static inline void csp_fault_in(const char *place)
 /* The same in a part of the process with a name of its own: a control law, or a process that was flattened into it. */
 #define CSP_FAULT_INSIDE(part, where, FAILED)  \
     do {                                       \
-        if (csp_faulted()) {                   \
-            csp_fault.law = (part);            \
-            (void)csp_fault_at(where);         \
-            (void)csp_raise_fault(party);      \
+        if (csp_faulted(csp)) {                   \
+            csp->fault.law = (part);            \
+            (void)csp_fault_at(csp, where);         \
+            (void)csp_raise_fault(csp, party);      \
             goto FAILED;                       \
         }                                      \
     } while (0)
@@ -83,10 +74,10 @@ static inline void csp_fault_in(const char *place)
 /* ---- Integers of 64 bits ---- */
 
 /* Each notes the fault of an operation whose result does not fit, and returns 0. */
-int64_t csp_add_fails(int64_t left, int64_t right);
-int64_t csp_subtract_fails(int64_t left, int64_t right);
-int64_t csp_multiply_fails(int64_t left, int64_t right);
-int64_t csp_division_fails(int64_t left, int64_t right);
+int64_t csp_add_fails(csp_kernel *csp, int64_t left, int64_t right);
+int64_t csp_subtract_fails(csp_kernel *csp, int64_t left, int64_t right);
+int64_t csp_multiply_fails(csp_kernel *csp, int64_t left, int64_t right);
+int64_t csp_division_fails(csp_kernel *csp, int64_t left, int64_t right);
 
 static inline bool csp_sum_fits(int64_t left, int64_t right)
 {
@@ -103,86 +94,86 @@ static inline bool csp_quotient_fits(int64_t dividend, int64_t divisor)
     return (divisor != 0) && ((divisor != -1) || (dividend != INT64_MIN));
 }
 
-static inline int64_t csp_add(int64_t left, int64_t right)
+static inline int64_t csp_add(csp_kernel *csp, int64_t left, int64_t right)
 {
 #if defined(__GNUC__)
     int64_t sum = 0;
-    return __builtin_add_overflow(left, right, &sum) ? csp_add_fails(left, right) : sum;
+    return __builtin_add_overflow(left, right, &sum) ? csp_add_fails(csp, left, right) : sum;
 #else
-    return csp_sum_fits(left, right) ? left + right : csp_add_fails(left, right);
+    return csp_sum_fits(left, right) ? left + right : csp_add_fails(csp, left, right);
 #endif
 }
 
-static inline int64_t csp_subtract(int64_t left, int64_t right)
+static inline int64_t csp_subtract(csp_kernel *csp, int64_t left, int64_t right)
 {
 #if defined(__GNUC__)
     int64_t difference = 0;
-    return __builtin_sub_overflow(left, right, &difference) ? csp_subtract_fails(left, right) : difference;
+    return __builtin_sub_overflow(left, right, &difference) ? csp_subtract_fails(csp, left, right) : difference;
 #else
-    return csp_difference_fits(left, right) ? left - right : csp_subtract_fails(left, right);
+    return csp_difference_fits(left, right) ? left - right : csp_subtract_fails(csp, left, right);
 #endif
 }
 
-int64_t csp_multiply(int64_t left, int64_t right);
+int64_t csp_multiply(csp_kernel *csp, int64_t left, int64_t right);
 
-static inline int64_t csp_negate(int64_t operand)
+static inline int64_t csp_negate(csp_kernel *csp, int64_t operand)
 {
-    return (operand != INT64_MIN) ? -operand : csp_subtract_fails(0, operand);
+    return (operand != INT64_MIN) ? -operand : csp_subtract_fails(csp, 0, operand);
 }
 
-static inline int64_t csp_absolute(int64_t operand)
+static inline int64_t csp_absolute(csp_kernel *csp, int64_t operand)
 {
-    return (operand < 0) ? csp_negate(operand) : operand;
+    return (operand < 0) ? csp_negate(csp, operand) : operand;
 }
 
 /* Truncates toward zero. */
-static inline int64_t csp_quotient(int64_t dividend, int64_t divisor)
+static inline int64_t csp_quotient(csp_kernel *csp, int64_t dividend, int64_t divisor)
 {
-    return csp_quotient_fits(dividend, divisor) ? dividend / divisor : csp_division_fails(dividend, divisor);
+    return csp_quotient_fits(dividend, divisor) ? dividend / divisor : csp_division_fails(csp, dividend, divisor);
 }
 
 /* Has the sign of the dividend. */
-static inline int64_t csp_remainder(int64_t dividend, int64_t divisor)
+static inline int64_t csp_remainder(csp_kernel *csp, int64_t dividend, int64_t divisor)
 {
     if ((divisor == 0) || (divisor == -1)) {
-        return (divisor == 0) ? csp_division_fails(dividend, divisor) : 0;
+        return (divisor == 0) ? csp_division_fails(csp, dividend, divisor) : 0;
     }
     return dividend % divisor;
 }
 
-int64_t csp_power(int64_t base, int64_t exponent);
+int64_t csp_power(csp_kernel *csp, int64_t base, int64_t exponent);
 
 /* ---- The same for times, whose messages give them in seconds ---- */
 
-int64_t csp_time_add_fails(int64_t left, int64_t right);
-int64_t csp_time_subtract_fails(int64_t left, int64_t right);
-int64_t csp_time_division_fails(int64_t left, int64_t right);
+int64_t csp_time_add_fails(csp_kernel *csp, int64_t left, int64_t right);
+int64_t csp_time_subtract_fails(csp_kernel *csp, int64_t left, int64_t right);
+int64_t csp_time_division_fails(csp_kernel *csp, int64_t left, int64_t right);
 
-static inline int64_t csp_time_add(int64_t left, int64_t right)
+static inline int64_t csp_time_add(csp_kernel *csp, int64_t left, int64_t right)
 {
-    return csp_sum_fits(left, right) ? left + right : csp_time_add_fails(left, right);
+    return csp_sum_fits(left, right) ? left + right : csp_time_add_fails(csp, left, right);
 }
 
-static inline int64_t csp_time_subtract(int64_t left, int64_t right)
+static inline int64_t csp_time_subtract(csp_kernel *csp, int64_t left, int64_t right)
 {
-    return csp_difference_fits(left, right) ? left - right : csp_time_subtract_fails(left, right);
+    return csp_difference_fits(left, right) ? left - right : csp_time_subtract_fails(csp, left, right);
 }
 
-int64_t csp_time_multiply(int64_t left, int64_t right);
+int64_t csp_time_multiply(csp_kernel *csp, int64_t left, int64_t right);
 
-static inline int64_t csp_time_negate(int64_t operand)
+static inline int64_t csp_time_negate(csp_kernel *csp, int64_t operand)
 {
-    return (operand != INT64_MIN) ? -operand : csp_time_subtract_fails(0, operand);
+    return (operand != INT64_MIN) ? -operand : csp_time_subtract_fails(csp, 0, operand);
 }
 
-static inline int64_t csp_time_absolute(int64_t operand)
+static inline int64_t csp_time_absolute(csp_kernel *csp, int64_t operand)
 {
-    return (operand < 0) ? csp_time_negate(operand) : operand;
+    return (operand < 0) ? csp_time_negate(csp, operand) : operand;
 }
 
-static inline int64_t csp_time_quotient(int64_t dividend, int64_t divisor)
+static inline int64_t csp_time_quotient(csp_kernel *csp, int64_t dividend, int64_t divisor)
 {
-    return csp_quotient_fits(dividend, divisor) ? dividend / divisor : csp_time_division_fails(dividend, divisor);
+    return csp_quotient_fits(dividend, divisor) ? dividend / divisor : csp_time_division_fails(csp, dividend, divisor);
 }
 
 /* ---- Integers and times ---- */
@@ -216,13 +207,13 @@ static inline int64_t csp_sign_int(int64_t x)
 /* ---- Narrower integers ---- */
 
 /* Notes that a value is outside a type. */
-int64_t csp_outside(const char *type, int64_t value, int64_t low, int64_t high);
+int64_t csp_outside(csp_kernel *csp, const char *type, int64_t value, int64_t low, int64_t high);
 
 #define CSP_NARROW(type, bits_type, low, high)                                                    \
-    static inline bits_type csp_##type(int64_t value)                                             \
+    static inline bits_type csp_##type(csp_kernel *csp, int64_t value)                                             \
     {                                                                                             \
         return (bits_type)(((value >= (low)) && (value <= (high))) ? value                        \
-                                                                   : csp_outside(#type, value, low, high)); \
+                                                                   : csp_outside(csp, #type, value, low, high)); \
     }
 
 CSP_NARROW(int8, int8_t, INT8_MIN, INT8_MAX)
@@ -233,56 +224,56 @@ CSP_NARROW(uint16, uint16_t, 0, UINT16_MAX)
 CSP_NARROW(uint32, uint32_t, 0, UINT32_MAX)
 
 /* Reals are truncated toward zero. */
-int64_t csp_int64_of_real(double value);
-int64_t csp_whole_of_real(const char *type, double value, int64_t low, int64_t high);
+int64_t csp_int64_of_real(csp_kernel *csp, double value);
+int64_t csp_whole_of_real(csp_kernel *csp, const char *type, double value, int64_t low, int64_t high);
 
-static inline int8_t csp_int8_of_real(double value)
+static inline int8_t csp_int8_of_real(csp_kernel *csp, double value)
 {
-    return (int8_t)csp_whole_of_real("int8", value, INT8_MIN, INT8_MAX);
+    return (int8_t)csp_whole_of_real(csp, "int8", value, INT8_MIN, INT8_MAX);
 }
 
-static inline int16_t csp_int16_of_real(double value)
+static inline int16_t csp_int16_of_real(csp_kernel *csp, double value)
 {
-    return (int16_t)csp_whole_of_real("int16", value, INT16_MIN, INT16_MAX);
+    return (int16_t)csp_whole_of_real(csp, "int16", value, INT16_MIN, INT16_MAX);
 }
 
-static inline int32_t csp_int32_of_real(double value)
+static inline int32_t csp_int32_of_real(csp_kernel *csp, double value)
 {
-    return (int32_t)csp_whole_of_real("int32", value, INT32_MIN, INT32_MAX);
+    return (int32_t)csp_whole_of_real(csp, "int32", value, INT32_MIN, INT32_MAX);
 }
 
-static inline uint8_t csp_uint8_of_real(double value)
+static inline uint8_t csp_uint8_of_real(csp_kernel *csp, double value)
 {
-    return (uint8_t)csp_whole_of_real("uint8", value, 0, UINT8_MAX);
+    return (uint8_t)csp_whole_of_real(csp, "uint8", value, 0, UINT8_MAX);
 }
 
-static inline uint16_t csp_uint16_of_real(double value)
+static inline uint16_t csp_uint16_of_real(csp_kernel *csp, double value)
 {
-    return (uint16_t)csp_whole_of_real("uint16", value, 0, UINT16_MAX);
+    return (uint16_t)csp_whole_of_real(csp, "uint16", value, 0, UINT16_MAX);
 }
 
-static inline uint32_t csp_uint32_of_real(double value)
+static inline uint32_t csp_uint32_of_real(csp_kernel *csp, double value)
 {
-    return (uint32_t)csp_whole_of_real("uint32", value, 0, UINT32_MAX);
+    return (uint32_t)csp_whole_of_real(csp, "uint32", value, 0, UINT32_MAX);
 }
 
 /* ---- Elements ---- */
 
-int64_t csp_index_fails(int64_t index, int64_t size);
+int64_t csp_index_fails(csp_kernel *csp, int64_t index, int64_t size);
 
 /* `index` if it is an index of an array of that size; otherwise notes a fault. */
-static inline size_t csp_index(int64_t index, int64_t size)
+static inline size_t csp_index(csp_kernel *csp, int64_t index, int64_t size)
 {
-    return (size_t)(((index >= 0) && (index < size)) ? index : csp_index_fails(index, size));
+    return (size_t)(((index >= 0) && (index < size)) ? index : csp_index_fails(csp, index, size));
 }
 
 /* ---- Reals ---- */
 
-double csp_real_division_fails(void);
+double csp_real_division_fails(csp_kernel *csp);
 
-static inline double csp_divide(double dividend, double divisor)
+static inline double csp_divide(csp_kernel *csp, double dividend, double divisor)
 {
-    return (divisor != 0.0) ? dividend / divisor : csp_real_division_fails();
+    return (divisor != 0.0) ? dividend / divisor : csp_real_division_fails(csp);
 }
 
 static inline double csp_min(double left, double right)
@@ -340,12 +331,12 @@ static inline double csp_seconds(int64_t nanoseconds)
     return exact ? (double)nanoseconds / 1e9 : csp_many_seconds(nanoseconds);
 }
 
-double csp_real_fails(void);
+double csp_real_fails(csp_kernel *csp);
 
 /* Every real value of a program is finite: notes a fault for an infinity or a NaN. */
-static inline double csp_real(double value)
+static inline double csp_real(csp_kernel *csp, double value)
 {
-    return isfinite(value) ? value : csp_real_fails();
+    return isfinite(value) ? value : csp_real_fails(csp);
 }
 
 /* Whether a value is neither infinite nor a NaN. A sum is finite only if its terms are: one test is enough for several values, unless it fails. */
@@ -355,18 +346,18 @@ static inline bool csp_is_finite(double value)
 }
 
 /* Notes a fault with its place for an infinity or a NaN. */
-void csp_finite_at(double value, const char *place);
+void csp_finite_at(csp_kernel *csp, double value, const char *place);
 
-void csp_finite_fails(double value, const char *port);
+void csp_finite_fails(csp_kernel *csp, double value, const char *port);
 
 /* Notes the fault that a variable was read before it was written. */
-void csp_not_written(const char *variable);
+void csp_not_written(csp_kernel *csp, const char *variable);
 
 /* Notes a fault unless a value that is written to a port is finite. */
-static inline void csp_finite(double value, const char *port)
+static inline void csp_finite(csp_kernel *csp, double value, const char *port)
 {
     if (!isfinite(value)) {
-        csp_finite_fails(value, port);
+        csp_finite_fails(csp, value, port);
     }
 }
 

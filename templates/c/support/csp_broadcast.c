@@ -21,7 +21,7 @@ void csp_broadcast_end_init(csp_broadcast_end *end, csp_broadcast *channel)
         last = &(*last)->next;
     }
     *last = end;
-    csp_broadcast_readers_changed(channel);
+    csp_broadcast_readers_changed(NULL, channel); /* nothing waits before the program starts */
 }
 
 static bool all_awaited(const csp_broadcast *channel)
@@ -42,11 +42,11 @@ static bool any_fresh(const csp_broadcast *channel, const csp_broadcast_end *exc
     return end != NULL;
 }
 
-void csp_broadcast_readers_changed(const csp_broadcast *channel)
+void csp_broadcast_readers_changed(csp_kernel *csp, const csp_broadcast *channel)
 {
     if (channel->outputs != NULL) {
         if (all_awaited(channel)) {
-            csp_raise_bits(channel->outputs);
+            csp_raise_bits(csp, channel->outputs);
         } else {
             csp_lower_bits(channel->outputs);
         }
@@ -68,7 +68,7 @@ void csp_broadcast_recall(const csp_broadcast *channel)
     }
 }
 
-static void receive(const csp_party *party, csp_broadcast_end *end, const void *value, size_t size)
+static void receive(csp_kernel *csp, const csp_party *party, csp_broadcast_end *end, const void *value, size_t size)
 {
     if (end->resolved) {
         end->resolved = false;
@@ -76,21 +76,21 @@ static void receive(const csp_party *party, csp_broadcast_end *end, const void *
         csp_party *const reader = end->reader;
         end->reader = NULL;
         csp_copy(reader->slot, value, size);
-        csp_ready(reader);
-        csp_broadcast_readers_changed(end->channel);
-        csp_observe(end->medium.number, value, party->number, reader->number);
+        csp_ready(csp, reader);
+        csp_broadcast_readers_changed(csp, end->channel);
+        csp_observe(csp, end->medium.number, value, party->number, reader->number);
     } else {
         end->fresh = true;
-        csp_raise_bits(end->inputs);
+        csp_raise_bits(csp, end->inputs);
     }
 }
 
-csp_progress csp_broadcast_write(csp_party *party, csp_broadcast *channel, void *value, size_t size)
+csp_progress csp_broadcast_write(csp_kernel *csp, csp_party *party, csp_broadcast *channel, void *value, size_t size)
 {
     channel->writer = party;
     party->slot = value;
     for (csp_broadcast_end *end = channel->ends; end != NULL; end = end->next) {
-        receive(party, end, value, size);
+        receive(csp, party, end, value, size);
     }
     if (any_fresh(channel, NULL)) {
         return CSP_WAITS;
@@ -99,7 +99,7 @@ csp_progress csp_broadcast_write(csp_party *party, csp_broadcast *channel, void 
     return CSP_DONE;
 }
 
-csp_progress csp_broadcast_choose_output(csp_party *party, csp_broadcast *channel, void *value, size_t size)
+csp_progress csp_broadcast_choose_output(csp_kernel *csp, csp_party *party, csp_broadcast *channel, void *value, size_t size)
 {
     for (csp_broadcast_end *end = channel->ends; end != NULL; end = end->next) {
         csp_guard *const guard = end->waiting;
@@ -107,36 +107,36 @@ csp_progress csp_broadcast_choose_output(csp_party *party, csp_broadcast *channe
             if (guard->kind != (uint8_t)CSP_GUARD_READY) {
                 csp_copy(guard->at.slot, value, size);
                 end->resolved = true;
-                csp_observe(channel->medium.number, value, party->number, guard->alternative->process->number);
+                csp_observe(csp, channel->medium.number, value, party->number, guard->alternative->process->number);
             }
-            csp_resolve(guard);
+            csp_resolve(csp, guard);
         }
     }
-    return csp_broadcast_write(party, channel, value, size);
+    return csp_broadcast_write(csp, party, channel, value, size);
 }
 
-void csp_broadcast_taken(csp_party *party, csp_broadcast_end *end, void *value, size_t size)
+void csp_broadcast_taken(csp_kernel *csp, csp_party *party, csp_broadcast_end *end, void *value, size_t size)
 {
     csp_broadcast *const channel = end->channel;
     csp_party *const writer = channel->writer;
     csp_copy(value, writer->slot, size);
     if (!any_fresh(channel, end)) {
-        csp_ready(writer);
+        csp_ready(csp, writer);
         channel->writer = NULL;
     }
     end->fresh = false;
     csp_lower_bits(end->inputs);
-    csp_observe(channel->medium.number, value, writer->number, party->number);
+    csp_observe(csp, channel->medium.number, value, writer->number, party->number);
 }
 
-csp_progress csp_broadcast_read(csp_party *party, csp_broadcast_end *end, void *value, size_t size)
+csp_progress csp_broadcast_read(csp_kernel *csp, csp_party *party, csp_broadcast_end *end, void *value, size_t size)
 {
     if (end->fresh) {
-        csp_broadcast_taken(party, end, value, size);
+        csp_broadcast_taken(csp, party, end, value, size);
         return CSP_DONE;
     }
     party->slot = value;
     end->reader = party;
-    csp_broadcast_readers_changed(end->channel);
+    csp_broadcast_readers_changed(csp, end->channel);
     return CSP_WAITS;
 }

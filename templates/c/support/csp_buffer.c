@@ -13,11 +13,11 @@ void csp_buffer_init(csp_buffer *buffer, uint32_t number, void *values, uint32_t
     buffer->overwrites = overwrites;
 }
 
-static void enter(uint32_t writer, csp_buffer *buffer, const void *value, size_t size)
+static void enter(csp_kernel *csp, uint32_t writer, csp_buffer *buffer, const void *value, size_t size)
 {
     if (buffer->reader != NULL) {
         csp_copy(buffer->reader->slot, value, size);
-        csp_ready(buffer->reader);
+        csp_ready(csp, buffer->reader);
         buffer->reader = NULL;
     } else {
         uint32_t place = buffer->first + buffer->stored;
@@ -26,12 +26,12 @@ static void enter(uint32_t writer, csp_buffer *buffer, const void *value, size_t
         }
         csp_copy(&buffer->values[place * size], value, size);
         buffer->stored++;
-        csp_raise_bits(buffer->inputs);
+        csp_raise_bits(csp, buffer->inputs);
         if ((buffer->stored == buffer->capacity) && !buffer->overwrites) {
             csp_lower_bits(buffer->outputs);
         }
     }
-    csp_observe(buffer->medium.number, value, writer, 0U);
+    csp_observe(csp, buffer->medium.number, value, writer, 0U);
 }
 
 static void drop_first(csp_buffer *buffer)
@@ -43,7 +43,7 @@ static void drop_first(csp_buffer *buffer)
     buffer->stored--;
 }
 
-void csp_buffer_take(csp_party *party, csp_buffer *buffer, void *value, size_t size)
+void csp_buffer_take(csp_kernel *csp, csp_party *party, csp_buffer *buffer, void *value, size_t size)
 {
     (void)party;
     csp_copy(value, &buffer->values[buffer->first * size], size);
@@ -51,20 +51,20 @@ void csp_buffer_take(csp_party *party, csp_buffer *buffer, void *value, size_t s
     if (buffer->writer != NULL) {
         csp_party *const writer = buffer->writer;
         buffer->writer = NULL;
-        csp_ready(writer);
-        enter(writer->number, buffer, writer->slot, size);
+        csp_ready(csp, writer);
+        enter(csp, writer->number, buffer, writer->slot, size);
     } else {
-        csp_raise_bits(buffer->outputs);
+        csp_raise_bits(csp, buffer->outputs);
     }
     if (buffer->stored == 0U) {
         csp_lower_bits(buffer->inputs);
     }
 }
 
-csp_progress csp_buffer_read(csp_party *party, csp_buffer *buffer, void *value, size_t size)
+csp_progress csp_buffer_read(csp_kernel *csp, csp_party *party, csp_buffer *buffer, void *value, size_t size)
 {
     if (buffer->stored > 0U) {
-        csp_buffer_take(party, buffer, value, size);
+        csp_buffer_take(csp, party, buffer, value, size);
         return CSP_DONE;
     }
     party->slot = value;
@@ -72,7 +72,7 @@ csp_progress csp_buffer_read(csp_party *party, csp_buffer *buffer, void *value, 
     return CSP_WAITS;
 }
 
-csp_progress csp_buffer_write(csp_party *party, csp_buffer *buffer, void *value, size_t size)
+csp_progress csp_buffer_write(csp_kernel *csp, csp_party *party, csp_buffer *buffer, void *value, size_t size)
 {
     if ((buffer->reader == NULL) && (buffer->stored == buffer->capacity)) {
         if (!buffer->overwrites) {
@@ -82,6 +82,6 @@ csp_progress csp_buffer_write(csp_party *party, csp_buffer *buffer, void *value,
         }
         drop_first(buffer);
     }
-    enter(party->number, buffer, value, size);
+    enter(csp, party->number, buffer, value, size);
     return CSP_DONE;
 }

@@ -100,7 +100,7 @@ bool csp_is_registered(const csp_medium *medium, const csp_party *party)
     }
 }
 
-bool csp_withdraw_process(csp_process *process)
+bool csp_withdraw_process(csp_kernel *csp, csp_process *process)
 {
     const csp_place *const place = csp_place_of(process);
     void *const object = csp_object_at(process, place);
@@ -109,16 +109,16 @@ bool csp_withdraw_process(csp_process *process)
     case CSP_AT_WRITE:
         return csp_withdraw((csp_medium *)object, &process->party);
     case CSP_AT_ALTERNATIVE:
-        return csp_alternative_withdraw((csp_alternative *)object, &process->party);
+        return csp_alternative_withdraw(csp, (csp_alternative *)object, &process->party);
     case CSP_AT_INPUTS:
     case CSP_AT_OUTPUTS:
-        return csp_offers_withdraw((csp_offers *)object);
+        return csp_offers_withdraw(csp, (csp_offers *)object);
     case CSP_AT_DELAY:
-        return csp_timer_stop((csp_timer *)object);
+        return csp_timer_stop(csp, (csp_timer *)object);
     case CSP_AT_STOP:
         return true;
     case CSP_AT_INTERRUPT:
-        return csp_interrupt_withdraw((csp_interrupt *)object, &process->party);
+        return csp_interrupt_withdraw(csp, (csp_interrupt *)object, &process->party);
     default:
         return false;
     }
@@ -146,11 +146,11 @@ csp_process *csp_task_of(csp_process *process)
 }
 
 /* Prepares the branches for cancellation, from the first one; withdraws the guard of an interrupt. */
-static void abandon_branches(csp_process *process, csp_parallel *parallel)
+static void abandon_branches(csp_kernel *csp, csp_process *process, csp_parallel *parallel)
 {
     const csp_place *const place = csp_place_of(process);
     if (place->waiting == (uint8_t)CSP_AT_INTERRUPT) {
-        csp_interrupt_retract((csp_interrupt *)csp_object_at(process, place));
+        csp_interrupt_retract(csp, (csp_interrupt *)csp_object_at(process, place));
     }
     parallel->abandoned = true;
     parallel->run = 0U;
@@ -159,7 +159,7 @@ static void abandon_branches(csp_process *process, csp_parallel *parallel)
 
 /* The running process itself has made the guard ready that interrupts it, and may be about to wait in that same communication. The
  * canceller is in the ready queue before anything that a partner could cause; when it runs, the process waits or has ended. */
-static csp_party *cancel_waiting(csp_party *party)
+static csp_party *cancel_waiting(csp_kernel *csp, csp_party *party)
 {
     csp_interrupt *const interrupt =
         (csp_interrupt *)(void *)((char *)party - offsetof(csp_interrupt, canceller));
@@ -170,13 +170,13 @@ static csp_party *cancel_waiting(csp_party *party)
     }
     csp_parallel *const parallel = csp_parallel_of(victim);
     if ((parallel != NULL) && (parallel->pending > 0U)) {
-        abandon_branches(victim, parallel);
+        abandon_branches(csp, victim, parallel);
         for (csp_process *branch = csp_next_branch(parallel); branch != NULL; branch = csp_next_branch(parallel)) {
-            csp_cancel(branch, NULL);
+            csp_cancel(csp, branch, NULL);
         }
         return NULL;
     }
-    if (!csp_withdraw_process(victim)) {
+    if (!csp_withdraw_process(csp, victim)) {
         return NULL;
     }
     victim->party.state = csp_place_of(victim)->failed;
@@ -184,7 +184,7 @@ static csp_party *cancel_waiting(csp_party *party)
     return &victim->party;
 }
 
-static void cancel_running(csp_process *process, csp_interrupt *interrupt)
+static void cancel_running(csp_kernel *csp, csp_process *process, csp_interrupt *interrupt)
 {
     if (interrupt == NULL) {
         return;
@@ -194,12 +194,12 @@ static void cancel_running(csp_process *process, csp_interrupt *interrupt)
     if (!queued) {
         interrupt->canceller.step = cancel_waiting;
         interrupt->canceller.level = process->party.level;
-        csp_ready(&interrupt->canceller);
+        csp_ready(csp, &interrupt->canceller);
     }
 }
 
 /* Cancels what a task waits for. Returns the innermost process if its branches have to be cancelled next, or NULL. */
-static csp_process *cancel_task(csp_process *task, csp_interrupt *interrupt)
+static csp_process *cancel_task(csp_kernel *csp, csp_process *task, csp_interrupt *interrupt)
 {
     csp_process *process = task;
     if ((task->party.flags & ((unsigned)CSP_CANCELLED | (unsigned)CSP_ENDED)) != 0U) {
@@ -207,8 +207,8 @@ static csp_process *cancel_task(csp_process *task, csp_interrupt *interrupt)
     }
     for (;;) {
         process->party.flags |= (uint8_t)CSP_CANCELLED;
-        if (&process->party == csp.current) {
-            cancel_running(process, interrupt);
+        if (&process->party == csp->current) {
+            cancel_running(csp, process, interrupt);
             return NULL;
         }
         const csp_place *const place = csp_place_of(process);
@@ -219,22 +219,22 @@ static csp_process *cancel_task(csp_process *task, csp_interrupt *interrupt)
     }
     csp_parallel *const parallel = csp_parallel_of(process);
     if ((parallel != NULL) && (parallel->pending > 0U)) {
-        abandon_branches(process, parallel);
+        abandon_branches(csp, process, parallel);
         return process;
     }
-    if (csp_withdraw_process(process)) {
+    if (csp_withdraw_process(csp, process)) {
         process->party.state = csp_place_of(process)->failed;
         process->party.flags |= (uint8_t)CSP_ABANDONED;
-        csp_ready(&process->party);
+        csp_ready(csp, &process->party);
     }
     return NULL;
 }
 
-void csp_cancel(csp_process *branch, csp_interrupt *interrupt)
+void csp_cancel(csp_kernel *csp, csp_process *branch, csp_interrupt *interrupt)
 {
     csp_process *task = branch;
     while (task != NULL) {
-        csp_process *parent = cancel_task(task, interrupt);
+        csp_process *parent = cancel_task(csp, task, interrupt);
         if (parent == NULL) {
             parent = (task == branch) ? NULL : csp_parent_of(task);
         }

@@ -18,21 +18,21 @@ typedef struct csp_guarded_channel {
     csp_guard *sole;   /* the only one of them; NULL: there are several, or none */
 } csp_guarded_channel;
 
-static inline csp_progress csp_guarded_read(csp_party *party, csp_guarded_channel *channel, void *value, size_t size)
+static inline csp_progress csp_guarded_read(csp_kernel *csp, csp_party *party, csp_guarded_channel *channel, void *value, size_t size)
 {
-    const csp_progress progress = csp_channel_read(party, &channel->channel, value, size);
+    const csp_progress progress = csp_channel_read(csp, party, &channel->channel, value, size);
     if (progress == CSP_DONE) {
         csp_lower_bits(channel->inputs);
     }
     return progress;
 }
 
-static inline csp_progress csp_guarded_write(csp_party *party, csp_guarded_channel *channel, void *value, size_t size)
+static inline csp_progress csp_guarded_write(csp_kernel *csp, csp_party *party, csp_guarded_channel *channel, void *value, size_t size)
 {
-    const csp_progress progress = csp_channel_write(party, &channel->channel, value, size);
+    const csp_progress progress = csp_channel_write(csp, party, &channel->channel, value, size);
     if (progress == CSP_WAITS) {
         if ((channel->sole == NULL) || channel->sole->alternative->armed) {
-            csp_raise_all(channel->inputs);
+            csp_raise_all(csp, channel->inputs);
         } else {
             csp_set_bit(channel->sole);
         }
@@ -61,57 +61,57 @@ static inline csp_party *csp_leave(csp_queue *queue)
 }
 
 /* Communicates with the first waiting writer or reader. */
-static inline void csp_any_from_writer(const csp_party *party, csp_any_channel *channel, void *value, size_t size)
+static inline void csp_any_from_writer(csp_kernel *csp, const csp_party *party, csp_any_channel *channel, void *value, size_t size)
 {
     csp_party *const writer = csp_leave(&channel->writers);
     if ((channel->writers.first == NULL) && (channel->writing == NULL)) {
         csp_lower_bits(channel->inputs);
     }
     csp_copy(value, writer->slot, size);
-    csp_ready(writer);
-    csp_observe(channel->medium.number, value, writer->number, party->number);
+    csp_ready(csp, writer);
+    csp_observe(csp, channel->medium.number, value, writer->number, party->number);
 }
 
-static inline void csp_any_to_reader(const csp_party *party, csp_any_channel *channel, const void *value, size_t size)
+static inline void csp_any_to_reader(csp_kernel *csp, const csp_party *party, csp_any_channel *channel, const void *value, size_t size)
 {
     csp_party *const reader = csp_leave(&channel->readers);
     if ((channel->readers.first == NULL) && (channel->reading == NULL)) {
         csp_lower_bits(channel->outputs);
     }
     csp_copy(reader->slot, value, size);
-    csp_ready(reader);
-    csp_observe(channel->medium.number, value, party->number, reader->number);
+    csp_ready(csp, reader);
+    csp_observe(csp, channel->medium.number, value, party->number, reader->number);
 }
 
-static inline csp_progress csp_any_read(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+static inline csp_progress csp_any_read(csp_kernel *csp, csp_party *party, csp_any_channel *channel, void *value, size_t size)
 {
     if (channel->writers.first != NULL) {
-        csp_any_from_writer(party, channel, value, size);
+        csp_any_from_writer(csp, party, channel, value, size);
         return CSP_DONE;
     }
     party->slot = value;
     csp_enter(&channel->readers, party);
-    csp_raise_bits(channel->outputs);
+    csp_raise_bits(csp, channel->outputs);
     return CSP_WAITS;
 }
 
-static inline csp_progress csp_any_write(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+static inline csp_progress csp_any_write(csp_kernel *csp, csp_party *party, csp_any_channel *channel, void *value, size_t size)
 {
     if (channel->readers.first != NULL) {
-        csp_any_to_reader(party, channel, value, size);
+        csp_any_to_reader(csp, party, channel, value, size);
         return CSP_DONE;
     }
     party->slot = value;
     csp_enter(&channel->writers, party);
-    csp_raise_bits(channel->inputs);
+    csp_raise_bits(csp, channel->inputs);
     return CSP_WAITS;
 }
 
 /* ---- Selection (csp_alternative.h) ---- */
 
 /* The general case of csp_select, and the communication of a guard that is ready. */
-csp_progress csp_select_any(csp_party *party, csp_alternative *alternative);
-csp_progress csp_communicate(csp_party *party, csp_alternative *alternative, csp_guard *guard);
+csp_progress csp_select_any(csp_kernel *csp, csp_party *party, csp_alternative *alternative);
+csp_progress csp_communicate(csp_kernel *csp, csp_party *party, csp_alternative *alternative, csp_guard *guard);
 
 /* The ready guards of the present word from which a selection without time-outs may choose. */
 static inline csp_word csp_candidates(const csp_alternative *alternative)
@@ -128,17 +128,17 @@ static inline void csp_remember(csp_alternative *alternative, const csp_guard *c
 }
 
 /* The common case inline: a guard of a word reads on a channel of its own. `guards` has the guards of the word, `several` says whether there are more words. */
-static inline csp_progress csp_select_in(csp_party *party, csp_alternative *alternative, csp_word candidates,
+static inline csp_progress csp_select_in(csp_kernel *csp, csp_party *party, csp_alternative *alternative, csp_word candidates,
                                          csp_word *word, csp_guard *guards, csp_word fair, bool several)
 {
     if ((candidates == 0U) || csp_is_cancelled(party)) {
-        return csp_select_any(party, alternative);
+        return csp_select_any(csp, party, alternative);
     }
     csp_guard *const guard = &guards[csp_lowest_bit(candidates)];
     const csp_word up_to_chosen = candidates ^ (candidates - 1U);
     if (!guard->direct) {
         csp_remember(alternative, guard, ~up_to_chosen & fair);
-        return csp_communicate(party, alternative, guard);
+        return csp_communicate(csp, party, alternative, guard);
     }
     const csp_word others = *word ^ (up_to_chosen & candidates);
     *word = others;
@@ -146,24 +146,24 @@ static inline csp_progress csp_select_in(csp_party *party, csp_alternative *alte
         alternative->ready &= ~csp_bit_of_word(guard);
     }
     csp_remember(alternative, guard, ~up_to_chosen & fair);
-    csp_channel_take(party, &((csp_guarded_channel *)(void *)guard->medium)->channel, guard->at.slot, guard->size);
+    csp_channel_take(csp, party, &((csp_guarded_channel *)(void *)guard->medium)->channel, guard->at.slot, guard->size);
     return CSP_DONE;
 }
 
-static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative)
+static inline csp_progress csp_select(csp_kernel *csp, csp_party *party, csp_alternative *alternative)
 {
-    return csp_select_in(party, alternative, csp_candidates(alternative), alternative->present_ready,
+    return csp_select_in(csp, party, alternative, csp_candidates(alternative), alternative->present_ready,
                          alternative->present_guard, alternative->fair, alternative->around == 0U);
 }
 
-static inline csp_progress csp_select_inputs(csp_party *party, csp_alternative *alternative, uint32_t count)
+static inline csp_progress csp_select_inputs(csp_kernel *csp, csp_party *party, csp_alternative *alternative, uint32_t count)
 {
     if (count > CSP_GUARDS_OF_WORD) {
-        return csp_select_in(party, alternative, *alternative->present_ready & alternative->after,
+        return csp_select_in(csp, party, alternative, *alternative->present_ready & alternative->after,
                              alternative->present_ready, alternative->present_guard, ~(csp_word)0U, true);
     }
     const csp_word after = alternative->ready & alternative->after;
-    return csp_select_in(party, alternative, (after != 0U) ? after : alternative->ready, &alternative->ready,
+    return csp_select_in(csp, party, alternative, (after != 0U) ? after : alternative->ready, &alternative->ready,
                          alternative->guard, ~(csp_word)0U, false);
 }
 
@@ -182,8 +182,8 @@ typedef struct csp_buffer {
     csp_guard *outputs;
 } csp_buffer;
 
-csp_progress csp_buffer_read(csp_party *party, csp_buffer *buffer, void *value, size_t size);
-csp_progress csp_buffer_write(csp_party *party, csp_buffer *buffer, void *value, size_t size);
+csp_progress csp_buffer_read(csp_kernel *csp, csp_party *party, csp_buffer *buffer, void *value, size_t size);
+csp_progress csp_buffer_write(csp_kernel *csp, csp_party *party, csp_buffer *buffer, void *value, size_t size);
 
 /* ---- Broadcast ---- */
 
@@ -207,8 +207,8 @@ struct csp_broadcast_end {
     csp_guard *inputs;
 };
 
-csp_progress csp_broadcast_read(csp_party *party, csp_broadcast_end *end, void *value, size_t size);
-csp_progress csp_broadcast_write(csp_party *party, csp_broadcast *channel, void *value, size_t size);
+csp_progress csp_broadcast_read(csp_kernel *csp, csp_party *party, csp_broadcast_end *end, void *value, size_t size);
+csp_progress csp_broadcast_write(csp_kernel *csp, csp_party *party, csp_broadcast *channel, void *value, size_t size);
 
 /* ---- Before the program starts ---- */
 

@@ -3,7 +3,7 @@
  * A *party* is what can be ready or wait at one channel: a process, or one of several communications that a process
  * has offered concurrently. A *process* is a party at the beginning of a struct of its own, with a step function:
  *
- *     csp_party *cell_step(csp_party *party);
+ *     csp_party *cell_step(csp_kernel *csp, csp_party *party);
  *
  * The scheduler calls the step function of a ready party. It runs until the process has to wait; then it stores in
  * `party->state` the *place* where it waits and returns NULL. Called again, it continues at that place. If it returns a
@@ -11,7 +11,7 @@
  * single loop that calls step functions, and no recursion.
  *
  * Every operation has three results: CSP_DONE; CSP_WAITS, if the party is registered with what it waits for; CSP_FAILS,
- * if `csp.error` holds an exception or the cancellation of the process. CSP_AWAIT (csp_process.h) handles all three.
+ * if `csp->error` holds an exception or the cancellation of the process. CSP_AWAIT (csp_process.h) handles all three.
  *
  * Each class of processes has a constant table of its places: what the process waits for there, where that is in the program's
  * text, and in which state the process continues if the operation fails. Only cancellation, exceptions and reports read the
@@ -34,9 +34,11 @@ typedef struct csp_place csp_place;
 typedef struct csp_alternative csp_alternative;
 typedef struct csp_guard csp_guard;
 typedef struct csp_timer csp_timer;
+typedef struct csp_medium csp_medium;
+typedef struct csp_kernel csp_kernel;
 
 /* Runs a ready party. Returns the party to run next, or NULL. */
-typedef csp_party *csp_step(csp_party *party);
+typedef csp_party *csp_step(csp_kernel *csp, csp_party *party);
 
 typedef enum csp_progress { CSP_DONE = 0, CSP_WAITS = 1, CSP_FAILS = 2 } csp_progress;
 
@@ -138,45 +140,85 @@ typedef struct csp_queue {
     csp_party *last;
 } csp_queue;
 
-typedef struct csp_kernel {
-    csp_queue ready[CSP_LEVELS];
+/* A fault that arithmetic has found, and that the process has not raised yet. */
+typedef struct csp_fault_note {
+    void (*describe)(const csp_operands *operands, char *text, size_t size); /* NULL: there was no fault */
+    csp_operands operands;
+    const char *place; /* "laws.csp:12"; NULL: not known yet */
+    const char *law;   /* the control law in which it happened, or NULL */
+} csp_fault_note;
+
+/* A range of numbers of ports, without its end. */
+typedef struct csp_range {
+    uint32_t from;
+    uint32_t to;
+} csp_range;
+
+/* The whole state of a run, apart from the processes and ports of the program, which follow it in the same memory. It is passed to every function that
+ * needs it, so there may be several runs at the same time. */
+struct csp_kernel {
+    csp_fault_note fault;
     csp_party *current; /* the party whose step function runs, or NULL */
     int64_t now;        /* nanoseconds since the start */
+    csp_queue ready[CSP_LEVELS];
+    csp_timer *earliest;   /* the root of the heap of timers; NULL: none */
+    uint64_t timers_begun;
     uint32_t begun;     /* number of alternatives that have begun to wait, modulo 2^32 */
     csp_error error;    /* of the operation that has just failed */
 #if CSP_TRACE
     const char *volatile loop; /* place of the loop in which the process is and in which it cannot wait; NULL: none */
 #endif
-} csp_kernel;
-
-extern csp_kernel csp;
+    /* Instants */
+    int64_t next_tick; /* of a port or the grid; INT64_MAX: none */
+    int64_t grid;      /* the period at which the environment is evaluated and event inputs are polled; 0: none */
+    int64_t next_grid; /* INT64_MAX: none */
+    csp_range inputs;  /* the ports that include all inputs, */
+    csp_range outputs; /* and all latched outputs */
+    /* The run */
+    const struct csp_program *program;
+    const struct csp_hooks *hooks;
+    int64_t reached;  /* the instant up to which the run has advanced */
+    uint8_t phase;    /* csp_phase */
+    uint8_t ending;   /* csp_ending: CSP_MORE, or how the run has ended */
+    bool real_time;   /* ticks pass although nobody has met them */
+    bool entered;     /* csp_advance has been called */
+    uint32_t awaited; /* the port for which something waited last */
+    volatile bool stop_requested;
+    volatile bool news; /* an interrupt handler has brought an event since the last were taken over */
+    volatile uint32_t iterations;
+    /* Devices */
+    volatile bool driving;        /* there are outputs that are not released */
+    volatile bool closed;         /* only safe values are written */
+    volatile uint32_t next_port;  /* the next port to get its safe value */
+    const csp_medium *volatile called; /* for reports: the port whose device function is being called; NULL: none */
+};
 
 #if CSP_TRACE
 /* To be defined by the main of the program. A communication: the number of the channel or external port, the value, and the numbers of the
  * processes that write and read, 0 for the environment. */
-void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader);
+void csp_observe(csp_kernel *csp, uint32_t channel, const void *value, uint32_t writer, uint32_t reader);
 /* A sample of a sampled input, at its tick, whether it is read or not. */
-void csp_observe_sample(uint32_t port, const void *value);
+void csp_observe_sample(csp_kernel *csp, uint32_t port, const void *value);
 /* A safe value is written to a device. */
-void csp_observe_release(uint32_t port, const void *value);
+void csp_observe_release(csp_kernel *csp, uint32_t port, const void *value);
 /* A process (its number), or a named group or flattened process (numbered after the processes), has begun or ended. Called by generated code. */
-void csp_observe_begin(uint32_t number);
-void csp_observe_end(uint32_t number);
+void csp_observe_begin(csp_kernel *csp, uint32_t number);
+void csp_observe_end(csp_kernel *csp, uint32_t number);
 /* To be called at the beginning of a loop in which the process cannot wait, with its place in the program's text, and with NULL after the loop. */
-#define csp_observe_loop(where) (csp.loop = (where))
+#define csp_observe_loop(csp, where) ((csp)->loop = (where))
 /* Reports a communication inside the process that was reduced to an assignment; `slot` holds its value during the report. */
 #define CSP_REPORT(channel, slot, value)                                                                               \
     do {                                                                                                               \
         (slot) = (value);                                                                                              \
-        csp_observe((channel), &(slot), party->number, party->number);                                                 \
+        csp_observe(csp, (channel), &(slot), party->number, party->number);                                                 \
     } while (0)
 #else
-#define csp_observe(channel, value, writer, reader) ((void)(channel), (void)(value), (void)(writer), (void)(reader))
-#define csp_observe_sample(port, value) ((void)(port), (void)(value))
-#define csp_observe_release(port, value) ((void)(port), (void)(value))
-#define csp_observe_begin(number) ((void)(number))
-#define csp_observe_end(number) ((void)(number))
-#define csp_observe_loop(where) ((void)0)
+#define csp_observe(csp, channel, value, writer, reader) ((void)(csp), (void)(channel), (void)(value), (void)(writer), (void)(reader))
+#define csp_observe_sample(csp, port, value) ((void)(csp), (void)(port), (void)(value))
+#define csp_observe_release(csp, port, value) ((void)(csp), (void)(port), (void)(value))
+#define csp_observe_begin(csp, number) ((void)(csp), (void)(number))
+#define csp_observe_end(csp, number) ((void)(csp), (void)(number))
+#define csp_observe_loop(csp, where) ((void)(csp))
 #define CSP_REPORT(channel, slot, value) ((void)0)
 #endif
 
@@ -192,9 +234,9 @@ static inline void csp_enter(csp_queue *queue, csp_party *party)
 }
 
 /* Puts a party that is not registered anywhere into the ready queue of its level. */
-static inline void csp_ready(csp_party *party)
+static inline void csp_ready(csp_kernel *csp, csp_party *party)
 {
-    csp_enter(&csp.ready[(CSP_LEVELS > 1) ? party->level : 0U], party);
+    csp_enter(&csp->ready[(CSP_LEVELS > 1) ? party->level : 0U], party);
 }
 
 /* Copies a value; most values are one word. */
@@ -212,16 +254,16 @@ static inline bool csp_is_cancelled(const csp_party *party)
     return (party->flags & (unsigned)CSP_CANCELLED) != 0U;
 }
 
-/* Sets `csp.error` to the cancellation of a process that has tried to communicate. Always CSP_FAILS. */
-csp_progress csp_refuse(const csp_party *party);
+/* Sets `csp->error` to the cancellation of a process that has tried to communicate. Always CSP_FAILS. */
+csp_progress csp_refuse(csp_kernel *csp, const csp_party *party);
 
 /* ---- The rendezvous of one writer and one reader, without guards, all inline ---- */
 
 /* The first member of all channels and external ports. */
-typedef struct csp_medium {
+struct csp_medium {
     uint32_t number; /* for traces and reports */
     uint8_t kind;    /* csp_medium_kind */
-} csp_medium;
+};
 
 #define CSP_MEDIUM(channel) ((csp_medium *)(void *)(channel))
 
@@ -243,7 +285,7 @@ typedef struct csp_channel {
 } csp_channel;
 
 /* `party` is the process itself or an offer; a process checks csp_is_cancelled before. CSP_DONE or CSP_WAITS. */
-static inline csp_progress csp_channel_write(csp_party *party, csp_channel *channel, void *value, size_t size)
+static inline csp_progress csp_channel_write(csp_kernel *csp, csp_party *party, csp_channel *channel, void *value, size_t size)
 {
     csp_party *const reader = channel->waiting;
     if (reader == NULL) {
@@ -253,29 +295,29 @@ static inline csp_progress csp_channel_write(csp_party *party, csp_channel *chan
     }
     channel->waiting = NULL;
     (void)memcpy(reader->slot, value, size);
-    csp_ready(reader);
-    csp_observe(channel->medium.number, value, party->number, reader->number);
+    csp_ready(csp, reader);
+    csp_observe(csp, channel->medium.number, value, party->number, reader->number);
     return CSP_DONE;
 }
 
 /* Takes the value of the writer that waits there. */
-static inline void csp_channel_take(const csp_party *party, csp_channel *channel, void *value, size_t size)
+static inline void csp_channel_take(csp_kernel *csp, const csp_party *party, csp_channel *channel, void *value, size_t size)
 {
     csp_party *const writer = channel->waiting;
     channel->waiting = NULL;
     csp_copy(value, writer->slot, size);
-    csp_ready(writer);
-    csp_observe(channel->medium.number, value, writer->number, party->number);
+    csp_ready(csp, writer);
+    csp_observe(csp, channel->medium.number, value, writer->number, party->number);
 }
 
-static inline csp_progress csp_channel_read(csp_party *party, csp_channel *channel, void *value, size_t size)
+static inline csp_progress csp_channel_read(csp_kernel *csp, csp_party *party, csp_channel *channel, void *value, size_t size)
 {
     if (channel->waiting == NULL) {
         channel->waiting = party;
         party->slot = value;
         return CSP_WAITS;
     }
-    csp_channel_take(party, channel, value, size);
+    csp_channel_take(csp, party, channel, value, size);
     return CSP_DONE;
 }
 

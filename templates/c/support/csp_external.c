@@ -6,7 +6,6 @@
  * A value from outside communicates when a reader takes it.
  */
 #include "csp_internal.h"
-#include "csp_port.h"
 #include "csp_shared.h"
 
 static void set_attend(csp_guard *watchers, bool attends)
@@ -66,10 +65,10 @@ void csp_sampled_begin(csp_sampled_end *end)
 }
 
 /* Keeps the sample of the present tick for a first read; overwriting it is not a missed sample. */
-static void hold(csp_sampled_end *end)
+static void hold(csp_kernel *csp, csp_sampled_end *end)
 {
     end->fresh = true;
-    csp_raise_bits(end->inputs);
+    csp_raise_bits(csp, end->inputs);
 }
 
 static void miss(csp_sampled_end *end)
@@ -78,18 +77,18 @@ static void miss(csp_sampled_end *end)
     end->overdue = !end->port->counts;
 }
 
-static void sample(csp_sampled_end *end)
+static void sample(csp_kernel *csp, csp_sampled_end *end)
 {
     csp_sampled_end *const pace = end->pace;
     if (!end->begun) {
-        hold(end);
+        hold(csp, end);
         return;
     }
     if (!pace->followed) {
         pace->followed = true;
         for (csp_sampled_end *other = pace; other != NULL; other = other->next_of_owner) {
             if ((other->pace == pace) && !other->begun && other->port->sampled) {
-                hold(other);
+                hold(csp, other);
             }
         }
     }
@@ -100,21 +99,21 @@ static void sample(csp_sampled_end *end)
     if (end->reader != NULL) {
         csp_party *const reader = end->reader;
         end->reader = NULL;
-        csp_ready(reader);
+        csp_ready(csp, reader);
     }
-    csp_raise_bits(end->inputs);
+    csp_raise_bits(csp, end->inputs);
 }
 
-void csp_sampled_tick(csp_sampled_input *port)
+void csp_sampled_tick(csp_kernel *csp, csp_sampled_input *port)
 {
-    if ((port->driver.read == NULL) || !csp_device_read(&port->medium, &port->driver, port->value)) {
+    if ((port->driver.read == NULL) || !csp_device_read(csp, &port->medium, &port->driver, port->value)) {
         return;
     }
     port->sampled = true;
-    csp_observe_sample(port->medium.number, port->value);
+    csp_observe_sample(csp, port->medium.number, port->value);
     for (csp_sampled_end *end = port->ends; end != NULL; end = end->next) {
         if (end->begun || end->pace->followed) {
-            sample(end);
+            sample(csp, end);
         }
     }
 }
@@ -128,29 +127,29 @@ void csp_sampled_skip(csp_sampled_input *port)
     }
 }
 
-csp_progress csp_sampled_take(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+csp_progress csp_sampled_take(csp_kernel *csp, csp_party *party, csp_sampled_end *end, void *value, size_t size)
 {
     if (end->overdue) {
         end->overdue = false;
-        (void)csp_raise(NULL, (uint16_t)CSP_TIMEOUT_EXCEPTION, NULL);
-        csp.error.operands.integers[0] = (int64_t)end->medium.number;
+        (void)csp_raise(csp, NULL, (uint16_t)CSP_TIMEOUT_EXCEPTION, NULL);
+        csp->error.operands.integers[0] = (int64_t)end->medium.number;
         return CSP_FAILS;
     }
     csp_sampled_begin(end);
     end->fresh = false;
     csp_lower_bits(end->inputs);
     csp_copy(value, end->port->value, size);
-    csp_observe(end->medium.number, value, 0U, party->number);
+    csp_observe(csp, end->medium.number, value, 0U, party->number);
     return CSP_DONE;
 }
 
-csp_progress csp_sampled_read_any(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+csp_progress csp_sampled_read_any(csp_kernel *csp, csp_party *party, csp_sampled_end *end, void *value, size_t size)
 {
     if (csp_is_cancelled(party)) {
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     if (end->fresh) {
-        return csp_sampled_take(party, end, value, size);
+        return csp_sampled_take(csp, party, end, value, size);
     }
     party->slot = value;
     end->reader = party;
@@ -209,10 +208,8 @@ void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast
 
 void csp_event_input_accept(csp_event_input *port, void *brought, size_t size)
 {
-    const uint32_t outside = csp_port_enter_critical();
     port->brought = brought;
     port->brought_size = size;
-    csp_port_leave_critical(outside);
 }
 
 csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port)
@@ -224,68 +221,68 @@ csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port)
     return &port->shared;
 }
 
-void csp_event_occur(csp_event_input *port)
+void csp_event_occur(csp_kernel *csp, csp_event_input *port)
 {
     for (csp_event_end *end = port->ends; end != NULL; end = end->next) {
         end->fresh = true;
         if (end->readers.first != NULL) {
-            csp_ready(csp_leave(&end->readers));
+            csp_ready(csp, csp_leave(&end->readers));
         }
-        csp_raise_bits(end->inputs);
+        csp_raise_bits(csp, end->inputs);
     }
 }
 
-void csp_event_bring(csp_event_input *port, const void *value)
+void csp_event_bring(csp_kernel *csp, csp_event_input *port, const void *value)
 {
-    const uint32_t outside = csp_port_enter_critical();
+    const uint32_t outside = csp_lock(csp);
     if (port->brought != NULL) {
         (void)memcpy(port->brought, value, port->brought_size);
         CSP_STORE(port->news, true);
     }
-    csp_port_leave_critical(outside);
-    csp_announce_event();
+    csp_unlock(csp, outside);
+    csp_announce_event(csp);
 }
 
-void csp_event_take_over(csp_event_input *port)
+void csp_event_take_over(csp_kernel *csp, csp_event_input *port)
 {
     if (CSP_LOAD(port->news)) {
-        const uint32_t outside = csp_port_enter_critical();
+        const uint32_t outside = csp_lock(csp);
         (void)memcpy(port->value, port->brought, port->brought_size);
         CSP_STORE(port->news, false);
-        csp_port_leave_critical(outside);
-        csp_event_occur(port);
+        csp_unlock(csp, outside);
+        csp_event_occur(csp, port);
     }
 }
 
-void csp_event_poll(csp_event_input *port)
+void csp_event_poll(csp_kernel *csp, csp_event_input *port)
 {
-    if ((port->driver.read != NULL) && csp_device_read(&port->medium, &port->driver, port->value)) {
-        csp_event_occur(port);
+    if ((port->driver.read != NULL) && csp_device_read(csp, &port->medium, &port->driver, port->value)) {
+        csp_event_occur(csp, port);
     }
 }
 
-void csp_event_take(csp_party *party, csp_event_end *end, void *value, size_t size)
+void csp_event_take(csp_kernel *csp, csp_party *party, csp_event_end *end, void *value, size_t size)
 {
     end->fresh = false;
     csp_lower_bits(end->inputs);
     csp_copy(value, end->port->value, size);
-    csp_observe(end->medium.number, value, 0U, party->number);
+    csp_observe(csp, end->medium.number, value, 0U, party->number);
 }
 
-void csp_event_pass_on(csp_event_end *end)
+void csp_event_pass_on(csp_kernel *csp, csp_event_end *end)
 {
     if (end->fresh && (end->readers.first != NULL)) {
-        csp_ready(csp_leave(&end->readers));
+        csp_ready(csp, csp_leave(&end->readers));
     }
 }
 
-csp_progress csp_event_read(csp_party *party, csp_event_end *end, void *value, size_t size)
+csp_progress csp_event_read(csp_kernel *csp, csp_party *party, csp_event_end *end, void *value, size_t size)
 {
     if (csp_is_cancelled(party)) {
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     if (end->fresh) {
-        csp_event_take(party, end, value, size);
+        csp_event_take(csp, party, end, value, size);
         return CSP_DONE;
     }
     party->slot = value;
@@ -293,14 +290,14 @@ csp_progress csp_event_read(csp_party *party, csp_event_end *end, void *value, s
     return CSP_WAITS;
 }
 
-csp_progress csp_event_read_again(csp_party *party, csp_event_end *end, void *value, size_t size)
+csp_progress csp_event_read_again(csp_kernel *csp, csp_party *party, csp_event_end *end, void *value, size_t size)
 {
     if (csp_is_cancelled(party)) {
-        csp_event_pass_on(end);
-        return csp_refuse(party);
+        csp_event_pass_on(csp, end);
+        return csp_refuse(csp, party);
     }
     if (end->fresh) {
-        csp_event_take(party, end, value, size);
+        csp_event_take(csp, party, end, value, size);
         return CSP_DONE;
     }
     csp_enter_front(&end->readers, party);
@@ -337,19 +334,19 @@ void csp_direct_output_init(csp_direct_output *output, uint32_t number, csp_driv
     output->driver = driver;
 }
 
-csp_progress csp_direct_write(csp_party *party, csp_direct_output *output, void *value, size_t size)
+csp_progress csp_direct_write(csp_kernel *csp, csp_party *party, csp_direct_output *output, void *value, size_t size)
 {
     (void)size;
-    csp_device_write(&output->medium, &output->driver, value);
-    csp_observe(output->medium.number, value, party->number, 0U);
+    csp_device_write(csp, &output->medium, &output->driver, value);
+    csp_observe(csp, output->medium.number, value, party->number, 0U);
     return CSP_DONE;
 }
 
-void csp_latched_tick(csp_latched_output *output)
+void csp_latched_tick(csp_kernel *csp, csp_latched_output *output)
 {
     if (output->written) {
         output->written = false;
-        csp_device_write(&output->medium, &output->driver, output->value);
-        csp_observe(output->medium.number, output->value, output->writer, 0U);
+        csp_device_write(csp, &output->medium, &output->driver, output->value);
+        csp_observe(csp, output->medium.number, output->value, output->writer, 0U);
     }
 }

@@ -50,23 +50,23 @@ struct csp_sampled_end {
 };
 
 /* The general case of csp_sampled_read; CSP_FAILS may also mean Timeout. */
-csp_progress csp_sampled_read_any(csp_party *party, csp_sampled_end *end, void *value, size_t size);
+csp_progress csp_sampled_read_any(csp_kernel *csp, csp_party *party, csp_sampled_end *end, void *value, size_t size);
 
 /* CSP_AWAIT(csp_sampled_read(...), csp_sampled_read_again(...), ...) */
-static inline csp_progress csp_sampled_read(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+static inline csp_progress csp_sampled_read(csp_kernel *csp, csp_party *party, csp_sampled_end *end, void *value, size_t size)
 {
     if (end->fresh && end->begun && !end->overdue && (end->inputs == NULL) && !csp_is_cancelled(party)) {
         end->fresh = false;
         csp_copy(value, end->port->value, size);
-        csp_observe(end->medium.number, value, 0U, party->number);
+        csp_observe(csp, end->medium.number, value, 0U, party->number);
         return CSP_DONE;
     }
-    return csp_sampled_read_any(party, end, value, size);
+    return csp_sampled_read_any(csp, party, end, value, size);
 }
 
-static inline csp_progress csp_sampled_read_again(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+static inline csp_progress csp_sampled_read_again(csp_kernel *csp, csp_party *party, csp_sampled_end *end, void *value, size_t size)
 {
-    return csp_sampled_read(party, end, value, size);
+    return csp_sampled_read(csp, party, end, value, size);
 }
 
 /* Closes the ends of a process or a scope that has ended. */
@@ -97,16 +97,16 @@ typedef struct csp_event_input {
 } csp_event_input;
 
 /* CSP_AWAIT(csp_event_read(...), csp_event_read_again(...), ...) */
-csp_progress csp_event_read(csp_party *party, csp_event_end *end, void *value, size_t size);
-csp_progress csp_event_read_again(csp_party *party, csp_event_end *end, void *value, size_t size);
+csp_progress csp_event_read(csp_kernel *csp, csp_party *party, csp_event_end *end, void *value, size_t size);
+csp_progress csp_event_read_again(csp_kernel *csp, csp_party *party, csp_event_end *end, void *value, size_t size);
 
 /* The environment offers a value, which is in `port->value`; not for interrupt handlers. */
-void csp_event_occur(csp_event_input *port);
+void csp_event_occur(csp_kernel *csp, csp_event_input *port);
 /* Called by an interrupt handler to bring an event, which occurs between two steps of processes. The latest value counts. Not to be called before
  * the network is built. */
-void csp_event_bring(csp_event_input *port, const void *value);
+void csp_event_bring(csp_kernel *csp, csp_event_input *port, const void *value);
 /* Makes the event occur that an interrupt handler has brought. */
-void csp_event_take_over(csp_event_input *port);
+void csp_event_take_over(csp_kernel *csp, csp_event_input *port);
 
 /* ---- Outputs ---- */
 
@@ -138,7 +138,7 @@ static inline csp_progress csp_latched_write(csp_party *party, csp_latched_outpu
     return CSP_DONE;
 }
 
-csp_progress csp_direct_write(csp_party *party, csp_direct_output *output, void *value, size_t size);
+csp_progress csp_direct_write(csp_kernel *csp, csp_party *party, csp_direct_output *output, void *value, size_t size);
 
 /* ---- Before the program starts ---- */
 

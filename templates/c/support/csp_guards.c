@@ -60,12 +60,12 @@ void csp_set_attends(csp_guard *guard, bool attends)
     guard->attends = attends;
 }
 
-void csp_attend(csp_guard *watchers)
+void csp_attend(csp_kernel *csp, csp_guard *watchers)
 {
     for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
         csp_set_attends(guard, true);
         if (guard->alternative->waits && csp_is_enabled(guard) && !guard->is_enrolled) {
-            csp_enroll(guard);
+            csp_enroll(csp, guard);
         }
     }
 }
@@ -80,7 +80,7 @@ static void find_sole(csp_guarded_channel *channel)
     }
 }
 
-void csp_watch_input(csp_guard *guard)
+void csp_watch_input(csp_kernel *csp, csp_guard *guard)
 {
     switch (guard->medium->kind) {
     case CSP_GUARDED: {
@@ -100,7 +100,7 @@ void csp_watch_input(csp_guard *guard)
         }
         if (channel->outputs != NULL) {
             csp_set_attends(guard, true);
-            csp_attend(channel->outputs);
+            csp_attend(csp, channel->outputs);
         }
         break;
     }
@@ -147,7 +147,7 @@ void csp_watch_input(csp_guard *guard)
     }
 }
 
-void csp_watch_output(csp_guard *guard)
+void csp_watch_output(csp_kernel *csp, csp_guard *guard)
 {
     switch (guard->medium->kind) {
     case CSP_ANY: {
@@ -158,7 +158,7 @@ void csp_watch_output(csp_guard *guard)
         }
         if (channel->inputs != NULL) {
             csp_set_attends(guard, true);
-            csp_attend(channel->inputs);
+            csp_attend(csp, channel->inputs);
         }
         break;
     }
@@ -176,9 +176,9 @@ void csp_watch_output(csp_guard *guard)
         csp_broadcast *const channel = (csp_broadcast *)(void *)guard->medium;
         csp_watch(&channel->outputs, guard);
         for (csp_broadcast_end *end = channel->ends; end != NULL; end = end->next) {
-            csp_attend(end->inputs);
+            csp_attend(csp, end->inputs);
         }
-        csp_broadcast_readers_changed(channel);
+        csp_broadcast_readers_changed(csp, channel);
         break;
     }
     default:
@@ -228,7 +228,7 @@ void csp_unwatch_guard(csp_guard *guard)
     }
 }
 
-void csp_enroll(csp_guard *guard)
+void csp_enroll(csp_kernel *csp, csp_guard *guard)
 {
     const bool writes = guard->kind == (uint8_t)CSP_GUARD_OUTPUT;
     guard->is_enrolled = true;
@@ -236,11 +236,11 @@ void csp_enroll(csp_guard *guard)
     if (guard->medium->kind == (uint8_t)CSP_ANY) {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         enroll_at(writes ? &channel->writing : &channel->reading, guard);
-        csp_raise_bits(writes ? channel->inputs : channel->outputs);
+        csp_raise_bits(csp, writes ? channel->inputs : channel->outputs);
     } else if (guard->medium->kind == (uint8_t)CSP_BROADCAST_END) {
         csp_broadcast_end *const end = (csp_broadcast_end *)(void *)guard->medium;
         end->waiting = guard;
-        csp_broadcast_readers_changed(end->channel);
+        csp_broadcast_readers_changed(csp, end->channel);
     } else if (guard->medium->kind == (uint8_t)CSP_SAMPLED_END) {
         csp_sampled_begin((csp_sampled_end *)(void *)guard->medium);
     } else {
@@ -264,42 +264,42 @@ void csp_dismiss(csp_guard *guard)
     }
 }
 
-csp_progress csp_take(csp_party *party, csp_guard *guard)
+csp_progress csp_take(csp_kernel *csp, csp_party *party, csp_guard *guard)
 {
     switch (guard->medium->kind) {
     case CSP_GUARDED:
-        return csp_guarded_read(party, (csp_guarded_channel *)(void *)guard->medium, guard->at.slot, guard->size);
+        return csp_guarded_read(csp, party, (csp_guarded_channel *)(void *)guard->medium, guard->at.slot, guard->size);
     case CSP_ANY:
-        return csp_any_take(party, (csp_any_channel *)(void *)guard->medium, guard->at.slot, guard->size);
+        return csp_any_take(csp, party, (csp_any_channel *)(void *)guard->medium, guard->at.slot, guard->size);
     case CSP_BUFFER:
-        csp_buffer_take(party, (csp_buffer *)(void *)guard->medium, guard->at.slot, guard->size);
+        csp_buffer_take(csp, party, (csp_buffer *)(void *)guard->medium, guard->at.slot, guard->size);
         return CSP_DONE;
     case CSP_BROADCAST_END:
-        csp_broadcast_taken(party, (csp_broadcast_end *)(void *)guard->medium, guard->at.slot, guard->size);
+        csp_broadcast_taken(csp, party, (csp_broadcast_end *)(void *)guard->medium, guard->at.slot, guard->size);
         return CSP_DONE;
     case CSP_SAMPLED_END:
-        return csp_sampled_take(party, (csp_sampled_end *)(void *)guard->medium, guard->at.slot, guard->size);
+        return csp_sampled_take(csp, party, (csp_sampled_end *)(void *)guard->medium, guard->at.slot, guard->size);
     default:
-        csp_event_take(party, (csp_event_end *)(void *)guard->medium, guard->at.slot, guard->size);
+        csp_event_take(csp, party, (csp_event_end *)(void *)guard->medium, guard->at.slot, guard->size);
         return CSP_DONE;
     }
 }
 
-void csp_settle_input(csp_guard *guard)
+void csp_settle_input(csp_kernel *csp, csp_guard *guard)
 {
     if (guard->medium->kind == (uint8_t)CSP_ANY) {
-        csp_any_settle((csp_any_channel *)(void *)guard->medium);
+        csp_any_settle(csp, (csp_any_channel *)(void *)guard->medium);
     }
 }
 
-csp_progress csp_choose_output(csp_party *party, csp_guard *guard)
+csp_progress csp_choose_output(csp_kernel *csp, csp_party *party, csp_guard *guard)
 {
     switch (guard->medium->kind) {
     case CSP_ANY:
-        return csp_any_choose_output(party, (csp_any_channel *)(void *)guard->medium, guard->at.slot, guard->size);
+        return csp_any_choose_output(csp, party, (csp_any_channel *)(void *)guard->medium, guard->at.slot, guard->size);
     case CSP_BUFFER:
-        return csp_buffer_write(party, (csp_buffer *)(void *)guard->medium, guard->at.slot, guard->size);
+        return csp_buffer_write(csp, party, (csp_buffer *)(void *)guard->medium, guard->at.slot, guard->size);
     default:
-        return csp_broadcast_choose_output(party, (csp_broadcast *)(void *)guard->medium, guard->at.slot, guard->size);
+        return csp_broadcast_choose_output(csp, party, (csp_broadcast *)(void *)guard->medium, guard->at.slot, guard->size);
     }
 }

@@ -8,25 +8,12 @@
 /* How often event inputs are polled if the program has no periods. */
 #define GRID_WITHOUT_PERIODS INT64_C(1000000)
 
-static int64_t grid;      /* the period at which the environment is evaluated and event inputs are polled; 0: none */
-static int64_t next_grid; /* INT64_MAX: none */
-int64_t csp_next_tick;
-
-/* A range of numbers of ports, without its end, that includes all inputs or all latched outputs. */
-typedef struct range {
-    uint32_t from;
-    uint32_t to;
-} range;
-
-static range inputs;
-static range outputs;
-
 static int64_t earlier(int64_t one, int64_t other)
 {
     return (one < other) ? one : other;
 }
 
-static void extend(range *ports, uint32_t index)
+static void extend(csp_range *ports, uint32_t index)
 {
     if (ports->to == 0U) {
         ports->from = index;
@@ -41,29 +28,29 @@ static int64_t tick_after(int64_t tick, int64_t period)
 }
 
 /* The period of a port; 0: none. */
-static int64_t period_of(const csp_port *port)
+static int64_t period_of(csp_kernel *csp, const csp_port *port)
 {
     switch (port->kind) {
     case CSP_PORT_SAMPLED:
-        return ((const csp_sampled_input *)(const void *)port->medium)->period;
+        return ((const csp_sampled_input *)(const void *)csp_medium_of(csp, port))->period;
     case CSP_PORT_LATCHED:
-        return ((const csp_latched_output *)(const void *)port->medium)->period;
+        return ((const csp_latched_output *)(const void *)csp_medium_of(csp, port))->period;
     default:
         return 0;
     }
 }
 
 /* The next tick of a port that has a period. */
-static int64_t tick_of(const csp_port *port)
+static int64_t tick_of(csp_kernel *csp, const csp_port *port)
 {
-    return (port->kind == CSP_PORT_SAMPLED) ? ((const csp_sampled_input *)(const void *)port->medium)->next
-                                            : ((const csp_latched_output *)(const void *)port->medium)->next;
+    return (port->kind == CSP_PORT_SAMPLED) ? ((const csp_sampled_input *)(const void *)csp_medium_of(csp, port))->next
+                                            : ((const csp_latched_output *)(const void *)csp_medium_of(csp, port))->next;
 }
 
-static bool is_polled(const csp_port *port)
+static bool is_polled(csp_kernel *csp, const csp_port *port)
 {
     return (port->kind == CSP_PORT_EVENT) &&
-           (((const csp_event_input *)(const void *)port->medium)->driver.read != NULL);
+           (((const csp_event_input *)(const void *)csp_medium_of(csp, port))->driver.read != NULL);
 }
 
 static int64_t common_divisor(int64_t one, int64_t other)
@@ -79,16 +66,16 @@ static int64_t common_divisor(int64_t one, int64_t other)
 }
 
 /* The step of the environment; without an environment, the greatest common divisor of the periods, at which devices are polled for events. */
-static int64_t grid_of(const csp_program *program)
+static int64_t grid_of(csp_kernel *csp)
 {
     int64_t divisor = 0;
     bool polled = false;
-    if (program->environment != NULL) {
-        return program->environment->step;
+    if (csp->program->environment != NULL) {
+        return csp->program->environment->step;
     }
-    for (uint32_t index = 0U; index < program->port_count; index++) {
-        polled = polled || is_polled(&program->ports[index]);
-        divisor = common_divisor(divisor, period_of(&program->ports[index]));
+    for (uint32_t index = 0U; index < csp->program->port_count; index++) {
+        polled = polled || is_polled(csp, &csp->program->ports[index]);
+        divisor = common_divisor(divisor, period_of(csp, &csp->program->ports[index]));
     }
     if (!polled) {
         return 0;
@@ -96,48 +83,50 @@ static int64_t grid_of(const csp_program *program)
     return (divisor > 0) ? divisor : GRID_WITHOUT_PERIODS;
 }
 
-void csp_instants_begin(const csp_program *program)
+void csp_instants_begin(csp_kernel *csp)
 {
-    grid = grid_of(program);
-    next_grid = (grid > 0) ? grid : INT64_MAX;
-    csp_next_tick = next_grid;
-    inputs.to = 0U;
-    outputs.to = 0U;
-    for (uint32_t index = 0U; index < program->port_count; index++) {
-        const csp_port *const port = &program->ports[index];
+    csp->grid = grid_of(csp);
+    csp->next_grid = (csp->grid > 0) ? csp->grid : INT64_MAX;
+    csp->next_tick = csp->next_grid;
+    csp->inputs.to = 0U;
+    csp->outputs.to = 0U;
+    for (uint32_t index = 0U; index < csp->program->port_count; index++) {
+        const csp_port *const port = &csp->program->ports[index];
         if ((port->kind == CSP_PORT_SAMPLED) || (port->kind == CSP_PORT_EVENT)) {
-            extend(&inputs, index);
+            extend(&csp->inputs, index);
         } else if (port->kind == CSP_PORT_LATCHED) {
-            extend(&outputs, index);
+            extend(&csp->outputs, index);
         } else {
             /* This port has no instants. */
         }
-        if (period_of(port) > 0) {
-            csp_next_tick = earlier(csp_next_tick, tick_of(port));
+        if (period_of(csp, port) > 0) {
+            csp->next_tick = earlier(csp->next_tick, tick_of(csp, port));
         }
     }
 }
 
 /* If several ticks have passed, only the last one reads the device: a late sample does not belong to the earlier instants. Returns the next tick of
  * an input; INT64_MAX: none. */
-static int64_t inputs_meet(const csp_program *program, int64_t instant, int64_t present)
+static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
 {
+    const csp_port *const ports = csp->program->ports;
+    const uint32_t end = csp->inputs.to;
     int64_t next = INT64_MAX;
-    for (uint32_t index = inputs.from; index < inputs.to; index++) {
-        const csp_port *const port = &program->ports[index];
+    for (uint32_t index = csp->inputs.from; index < end; index++) {
+        const csp_port *const port = &ports[index];
         if (port->kind == CSP_PORT_SAMPLED) {
-            csp_sampled_input *const input = (csp_sampled_input *)(void *)port->medium;
+            csp_sampled_input *const input = (csp_sampled_input *)(void *)csp_medium_of(csp, port);
             if (input->next == instant) {
                 input->next = tick_after(instant, input->period);
                 if (input->next > present) {
-                    csp_sampled_tick(input);
+                    csp_sampled_tick(csp, input);
                 } else {
                     csp_sampled_skip(input);
                 }
             }
             next = earlier(next, input->next);
-        } else if ((port->kind == CSP_PORT_EVENT) && (next_grid == instant) && (tick_after(instant, grid) > present)) {
-            csp_event_poll((csp_event_input *)(void *)port->medium);
+        } else if ((port->kind == CSP_PORT_EVENT) && (csp->next_grid == instant) && (tick_after(instant, csp->grid) > present)) {
+            csp_event_poll(csp, (csp_event_input *)(void *)csp_medium_of(csp, port));
         } else {
             /* This port has no instant now. */
         }
@@ -145,16 +134,18 @@ static int64_t inputs_meet(const csp_program *program, int64_t instant, int64_t 
     return next;
 }
 
-static int64_t outputs_meet(const csp_program *program, int64_t instant)
+static int64_t outputs_meet(csp_kernel *csp, int64_t instant)
 {
+    const csp_port *const ports = csp->program->ports;
+    const uint32_t end = csp->outputs.to;
     int64_t next = INT64_MAX;
-    for (uint32_t index = outputs.from; index < outputs.to; index++) {
-        const csp_port *const port = &program->ports[index];
+    for (uint32_t index = csp->outputs.from; index < end; index++) {
+        const csp_port *const port = &ports[index];
         if (port->kind == CSP_PORT_LATCHED) {
-            csp_latched_output *const output = (csp_latched_output *)(void *)port->medium;
+            csp_latched_output *const output = (csp_latched_output *)(void *)csp_medium_of(csp, port);
             if (output->next == instant) {
                 output->next = tick_after(instant, output->period);
-                csp_latched_tick(output);
+                csp_latched_tick(csp, output);
             }
             next = earlier(next, output->next);
         }
@@ -162,17 +153,17 @@ static int64_t outputs_meet(const csp_program *program, int64_t instant)
     return next;
 }
 
-bool csp_ticks_meet(const csp_program *program, int64_t instant, int64_t present)
+bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present)
 {
-    if ((program->environment != NULL) && (program->environment->advance != NULL) &&
-        !program->environment->advance(instant)) {
+    const csp_environment *const environment = csp->program->environment;
+    if ((environment != NULL) && (environment->advance != NULL) && !environment->advance(csp, instant)) {
         return false;
     }
-    const int64_t next_input = inputs_meet(program, instant, present);
-    if (next_grid == instant) {
-        next_grid = tick_after(instant, grid);
+    const int64_t next_input = inputs_meet(csp, instant, present);
+    if (csp->next_grid == instant) {
+        csp->next_grid = tick_after(instant, csp->grid);
     }
-    const int64_t next_output = outputs_meet(program, instant);
-    csp_next_tick = earlier(earlier(next_input, next_output), next_grid);
+    const int64_t next_output = outputs_meet(csp, instant);
+    csp->next_tick = earlier(earlier(next_input, next_output), csp->next_grid);
     return true;
 }

@@ -42,18 +42,18 @@ bool csp_interrupt_waits(const csp_interrupt *interrupt)
     return interrupt->body_ended;
 }
 
-void csp_interrupt_wake(csp_interrupt *interrupt)
+void csp_interrupt_wake(csp_kernel *csp, csp_interrupt *interrupt)
 {
     interrupt->body.run = 0U;
     interrupt->body.index = 0U;
-    csp_cancel(csp_next_branch(&interrupt->body), interrupt);
+    csp_cancel(csp, csp_next_branch(&interrupt->body), interrupt);
 }
 
-void csp_interrupt_retract(csp_interrupt *interrupt)
+void csp_interrupt_retract(csp_kernel *csp, csp_interrupt *interrupt)
 {
     csp_alternative *const alternative = &interrupt->alternative;
     if (alternative->waits) {
-        csp_end_waiting(alternative);
+        csp_end_waiting(csp, alternative);
     }
     if (alternative->pledged && csp_withdraw(interrupt->guard.medium, &alternative->pledge)) {
         alternative->pledged = false;
@@ -61,13 +61,13 @@ void csp_interrupt_retract(csp_interrupt *interrupt)
     }
 }
 
-bool csp_interrupt_withdraw(csp_interrupt *interrupt, csp_party *party)
+bool csp_interrupt_withdraw(csp_kernel *csp, csp_interrupt *interrupt, csp_party *party)
 {
     bool withdrawn = false;
     if (interrupt->communicates) {
-        withdrawn = csp_alternative_withdraw(&interrupt->alternative, party);
+        withdrawn = csp_alternative_withdraw(csp, &interrupt->alternative, party);
     } else if (interrupt->body_ended && interrupt->alternative.pledged) {
-        csp_interrupt_retract(interrupt);
+        csp_interrupt_retract(csp, interrupt);
         withdrawn = !interrupt->alternative.pledged;
     } else {
         /* The body has ended, and the process is already in the ready queue. */
@@ -78,74 +78,74 @@ bool csp_interrupt_withdraw(csp_interrupt *interrupt, csp_party *party)
     return withdrawn;
 }
 
-void csp_body_ended(csp_interrupt *interrupt, bool cancelled)
+void csp_body_ended(csp_kernel *csp, csp_interrupt *interrupt, bool cancelled)
 {
     if (!cancelled && interrupt->alternative.waits) {
-        csp_end_waiting(&interrupt->alternative);
+        csp_end_waiting(csp, &interrupt->alternative);
     }
 }
 
-csp_progress csp_interruptible(csp_party *party, csp_interrupt *interrupt)
+csp_progress csp_interruptible(csp_kernel *csp, csp_party *party, csp_interrupt *interrupt)
 {
     csp_alternative *const alternative = &interrupt->alternative;
     if (csp_is_cancelled(party)) {
         csp_unwatch_guard(&interrupt->guard);
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     interrupt->body_ended = false;
     interrupt->communicates = false;
     interrupt->taken = false;
-    (void)csp_par(party, &interrupt->body, &interrupt->branch, 1U);
+    (void)csp_par(csp, party, &interrupt->body, &interrupt->branch, 1U);
     interrupt->body.interrupt = interrupt;
-    csp_begin_waiting(party, alternative);
+    csp_begin_waiting(csp, party, alternative);
     if ((alternative->ready != 0U) || ((alternative->time_outs > 0U) && csp_time_outs_passed(alternative))) {
         alternative->woken = true;
-        csp_interrupt_wake(interrupt);
+        csp_interrupt_wake(csp, interrupt);
     }
     return CSP_WAITS;
 }
 
 /* Makes the communication of the guard, unless the other side has chosen the guard and made it. */
-static csp_progress communicate(csp_party *party, csp_interrupt *interrupt)
+static csp_progress communicate(csp_kernel *csp, csp_party *party, csp_interrupt *interrupt)
 {
     csp_guard *const guard = &interrupt->guard;
     renew(interrupt);
     interrupt->alternative.interrupt = NULL;
     if (guard->kind == (uint8_t)CSP_GUARD_OUTPUT) {
-        csp_watch_output(guard);
+        csp_watch_output(csp, guard);
     } else {
-        csp_watch_input(guard);
+        csp_watch_input(csp, guard);
     }
     interrupt->communicates = true;
-    return csp_select(party, &interrupt->alternative);
+    return csp_select(csp, party, &interrupt->alternative);
 }
 
-csp_progress csp_interruptible_again(csp_party *party, csp_interrupt *interrupt)
+csp_progress csp_interruptible_again(csp_kernel *csp, csp_party *party, csp_interrupt *interrupt)
 {
     csp_alternative *const alternative = &interrupt->alternative;
     csp_progress progress = CSP_DONE;
     if (interrupt->communicates) {
-        progress = csp_select_again(party, alternative);
+        progress = csp_select_again(csp, party, alternative);
     } else {
         if (!interrupt->body_ended) {
             interrupt->body_ended = true;
-            if (csp_par_again(party, &interrupt->body) == CSP_FAILS) {
-                csp_interrupt_retract(interrupt);
+            if (csp_par_again(csp, party, &interrupt->body) == CSP_FAILS) {
+                csp_interrupt_retract(csp, interrupt);
                 csp_unwatch_guard(&interrupt->guard);
                 return CSP_FAILS;
             }
         }
         if (alternative->pledged && csp_is_cancelled(party)) {
-            csp_interrupt_retract(interrupt);
+            csp_interrupt_retract(csp, interrupt);
             if (!alternative->pledged) {
                 csp_unwatch_guard(&interrupt->guard);
-                return csp_refuse(party);
+                return csp_refuse(csp, party);
             }
         }
         if (alternative->pledged) {
             return CSP_WAITS;
         }
-        csp_interrupt_retract(interrupt);
+        csp_interrupt_retract(csp, interrupt);
         csp_unwatch_guard(&interrupt->guard);
         interrupt->taken = alternative->solved || (alternative->woken && interrupt->body.cancelled);
         const bool communicates = (interrupt->guard.kind == (uint8_t)CSP_GUARD_INPUT) ||
@@ -155,9 +155,9 @@ csp_progress csp_interruptible_again(csp_party *party, csp_interrupt *interrupt)
             return CSP_DONE;
         }
         if (!communicates) {
-            return csp_is_cancelled(party) ? csp_refuse(party) : CSP_DONE;
+            return csp_is_cancelled(party) ? csp_refuse(csp, party) : CSP_DONE;
         }
-        progress = communicate(party, interrupt);
+        progress = communicate(csp, party, interrupt);
     }
     if (progress != CSP_WAITS) {
         csp_unwatch_guard(&interrupt->guard);

@@ -2,12 +2,10 @@
 #include "csp_internal.h"
 #include "csp_shared.h"
 
-csp_kernel csp;
-
-static inline csp_party *next_party(void)
+static inline csp_party *next_party(csp_kernel *csp)
 {
     for (uint32_t level = 0U; level < CSP_LEVELS; level++) {
-        csp_queue *const queue = &csp.ready[level];
+        csp_queue *const queue = &csp->ready[level];
         csp_party *const party = queue->first;
         if (party != NULL) {
             queue->first = party->next;
@@ -20,59 +18,59 @@ static inline csp_party *next_party(void)
 /* The number of processes that may follow each other in one step before requests to stop are checked. */
 enum { LONGEST_STEP = 65536 };
 
-static inline csp_party *run(csp_party *party)
+static inline csp_party *run(csp_kernel *csp, csp_party *party)
 {
-    CSP_NOTE(csp.current, party);
+    CSP_NOTE(csp->current, party);
     csp_measure_party(party->number);
-    return party->step(party);
+    return party->step(csp, party);
 }
 
 /* Runs the parties that follow one in the same step, until one has to wait. */
-static void run_on(csp_party *first)
+static void run_on(csp_kernel *csp, csp_party *first)
 {
     csp_party *party = first;
     for (uint32_t count = 1U; (party != NULL) && (count < (uint32_t)LONGEST_STEP); count++) {
-        party = run(party);
+        party = run(csp, party);
     }
     if (party != NULL) {
-        csp_enter_front(&csp.ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
+        csp_enter_front(&csp->ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
     }
 }
 
-bool csp_is_ready(void)
+bool csp_is_ready(csp_kernel *csp)
 {
     bool ready = false;
     for (uint32_t level = 0U; level < CSP_LEVELS; level++) {
-        ready = ready || (csp.ready[level].first != NULL);
+        ready = ready || (csp->ready[level].first != NULL);
     }
     return ready;
 }
 
-bool csp_run_ready(uint32_t *steps)
+bool csp_run_ready(csp_kernel *csp, uint32_t *steps)
 {
     uint32_t left = *steps;
     csp_party *party = NULL;
     while (left > 0U) {
-        party = next_party();
+        party = next_party(csp);
         if (party == NULL) {
             break;
         }
         left--;
         csp_measure_begin();
-        csp_party *const following = run(party);
+        csp_party *const following = run(csp, party);
         if (following != NULL) {
-            run_on(following);
+            run_on(csp, following);
         }
         csp_measure_end();
     }
-    CSP_NOTE(csp.current, NULL);
+    CSP_NOTE(csp->current, NULL);
     *steps = left;
-    return (left == 0U) && csp_is_ready();
+    return (left == 0U) && csp_is_ready(csp);
 }
 
-void csp_unready(csp_party *party)
+void csp_unready(csp_kernel *csp, csp_party *party)
 {
-    (void)csp_remove(&csp.ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
+    (void)csp_remove(&csp->ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
 }
 
 void csp_enter_front(csp_queue *queue, csp_party *party)

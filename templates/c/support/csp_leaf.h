@@ -13,23 +13,23 @@
  *
  *     enum { READS_LEVEL = 1, FAILS };             // logger.c: where it waits, and where it ends unsuccessfully
  *
- *     static csp_party *logger_step(csp_party *party)
+ *     static csp_party *logger_step(csp_kernel *csp, csp_party *party)
  *     {
  *         struct logger *const self = (struct logger *)(void *)party;
  *         csp_progress progress;
  *         switch (party->state) {
  *         case 0:
- *             csp_observe_begin(party->number);
+ *             csp_observe_begin(csp, party->number);
  *             for (;;) {
  *                 CSP_READ(self->level, self->value, READS_LEVEL, fails)
  *                 keep(self->value);
  *             }
  *         case FAILS:
  *         fails:
- *             csp_unwind(party);
+ *             csp_unwind(csp, party);
  *             csp_ends_close(&self->ends);
- *             csp_observe_end(party->number);
- *             return csp_fail(party);              // a normal end: the same with csp_end, and without csp_unwind
+ *             csp_observe_end(csp, party->number);
+ *             return csp_fail(csp, party);              // a normal end: the same with csp_end, and without csp_unwind
  *         default:
  *             return NULL;
  *         }
@@ -50,7 +50,7 @@
  *     }
  *
  * A local variable of a step function exists until the process waits; what has to exist longer is a member of the struct. A process waits with
- * CSP_READ, CSP_WRITE, and CSP_AWAIT with csp_wait; it fails with `(void)csp_raise(party, EXCEPTION_..., "logger.c:12"); goto fails;`.
+ * CSP_READ, CSP_WRITE, and CSP_AWAIT with csp_wait; it fails with `(void)csp_raise(csp, party, EXCEPTION_..., "logger.c:12"); goto fails;`.
  */
 #ifndef CSP_LEAF_H
 #define CSP_LEAF_H
@@ -98,18 +98,18 @@ typedef struct csp_out {
 void csp_in_init(csp_in *in, csp_connection connection, csp_ends *ends);
 void csp_out_init(csp_out *out, csp_connection connection);
 
-csp_progress csp_in_read(csp_party *party, csp_in *in, void *value, size_t size);
-csp_progress csp_in_read_again(csp_party *party, csp_in *in, void *value, size_t size);
+csp_progress csp_in_read(csp_kernel *csp, csp_party *party, csp_in *in, void *value, size_t size);
+csp_progress csp_in_read_again(csp_kernel *csp, csp_party *party, csp_in *in, void *value, size_t size);
 /* A variable of another size than the values of the port is a fault. A value for an output of the program has to be finite: check it with csp_finite of
  * csp_arithmetic.h. */
-csp_progress csp_out_write(csp_party *party, csp_out *out, void *value, size_t size);
+csp_progress csp_out_write(csp_kernel *csp, csp_party *party, csp_out *out, void *value, size_t size);
 
 #define CSP_READ(in, variable, PLACE, FAILED)                                                                          \
-    CSP_AWAIT(csp_in_read(party, &(in), &(variable), sizeof(variable)),                                                \
-              csp_in_read_again(party, &(in), &(variable), sizeof(variable)), PLACE, FAILED)
+    CSP_AWAIT(csp_in_read(csp, party, &(in), &(variable), sizeof(variable)),                                                \
+              csp_in_read_again(csp, party, &(in), &(variable), sizeof(variable)), PLACE, FAILED)
 
 #define CSP_WRITE(out, variable, PLACE, FAILED)                                                                        \
-    CSP_AWAIT(csp_out_write(party, &(out), &(variable), sizeof(variable)), CSP_DONE, PLACE, FAILED)
+    CSP_AWAIT(csp_out_write(csp, party, &(out), &(variable), sizeof(variable)), CSP_DONE, PLACE, FAILED)
 
 #define CSP_PLACE_READ(TYPE, MEMBER, FAILED, WHERE)                                                                    \
     {                                                                                                                  \

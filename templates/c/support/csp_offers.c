@@ -11,25 +11,25 @@ static void prepare(csp_offers *offers)
 }
 
 /* Marks an offer as neither waiting nor in the ready queue. */
-static void forget(csp_offer *offer)
+static void forget(csp_kernel *csp, csp_offer *offer)
 {
     if (offer->waits) {
         if (!csp_withdraw(offer->medium, &offer->party)) {
-            csp_unready(&offer->party);
+            csp_unready(csp, &offer->party);
         }
         offer->waits = false;
         offer->offers->waiting--;
     }
 }
 
-void csp_offers_give_up(csp_offers *offers)
+void csp_offers_give_up(csp_kernel *csp, csp_offers *offers)
 {
     for (uint32_t index = 0U; index < offers->used; index++) {
-        forget(&offers->offer[index]);
+        forget(csp, &offers->offer[index]);
     }
 }
 
-bool csp_offers_withdraw(csp_offers *offers)
+bool csp_offers_withdraw(csp_kernel *csp, csp_offers *offers)
 {
     bool waited = false;
     for (uint32_t index = 0U; index < offers->used; index++) {
@@ -41,7 +41,7 @@ bool csp_offers_withdraw(csp_offers *offers)
         }
     }
     if (waited) {
-        csp_offers_give_up(offers);
+        csp_offers_give_up(csp, offers);
     }
     return waited;
 }
@@ -53,32 +53,32 @@ static void done(csp_offer *offer)
 }
 
 /* Takes what has arrived from outside for an offer. Returns false if it is gone; the offer then waits again. */
-static bool collect(csp_offer *offer)
+static bool collect(csp_kernel *csp, csp_offer *offer)
 {
     const csp_party *const process = offer->offers->process;
     csp_progress progress = CSP_FAILS;
     if (offer->medium->kind == (uint8_t)CSP_EVENT_END) {
         csp_event_end *const end = (csp_event_end *)(void *)offer->medium;
         if (csp_is_cancelled(process)) {
-            csp_event_pass_on(end);
-            (void)csp_refuse(process);
+            csp_event_pass_on(csp, end);
+            (void)csp_refuse(csp, process);
         } else if (end->fresh) {
-            csp_event_take(&offer->party, end, offer->party.slot, offer->size);
+            csp_event_take(csp, &offer->party, end, offer->party.slot, offer->size);
             progress = CSP_DONE;
         } else {
             csp_enter_front(&end->readers, &offer->party);
             progress = CSP_WAITS;
         }
     } else if (csp_is_cancelled(process)) {
-        (void)csp_refuse(process);
+        (void)csp_refuse(csp, process);
     } else {
         csp_sampled_end *const end = (csp_sampled_end *)(void *)offer->medium;
-        progress = csp_sampled_read(&offer->party, end, offer->party.slot, offer->size);
+        progress = csp_sampled_read(csp, &offer->party, end, offer->party.slot, offer->size);
     }
     if (progress == CSP_FAILS) {
         done(offer);
         offer->offers->failed = true;
-        csp_offers_give_up(offer->offers);
+        csp_offers_give_up(csp, offer->offers);
         return true;
     }
     if (progress == CSP_DONE) {
@@ -96,7 +96,7 @@ static bool has_arrived(const csp_offer *offer)
 }
 
 /* The process runs because of `readied`: takes, in the order of the ports, whatever else has arrived. */
-static void collect_all(csp_offers *offers, csp_offer *readied)
+static void collect_all(csp_kernel *csp, csp_offers *offers, csp_offer *readied)
 {
     for (uint32_t index = 0U; index < offers->used; index++) {
         csp_offer *const offer = &offers->offer[index];
@@ -104,16 +104,16 @@ static void collect_all(csp_offers *offers, csp_offer *readied)
             continue;
         }
         if (offer == readied) {
-            (void)collect(offer);
+            (void)collect(csp, offer);
         } else if (offer->collects) {
             if (has_arrived(offer)) {
                 if (!csp_withdraw(offer->medium, &offer->party)) {
-                    csp_unready(&offer->party);
+                    csp_unready(csp, &offer->party);
                 }
-                (void)collect(offer);
+                (void)collect(csp, offer);
             }
         } else if (!csp_is_registered(offer->medium, &offer->party)) {
-            csp_unready(&offer->party);
+            csp_unready(csp, &offer->party);
             done(offer);
         } else {
             /* It still waits. */
@@ -121,12 +121,12 @@ static void collect_all(csp_offers *offers, csp_offer *readied)
     }
 }
 
-static csp_party *offer_step(csp_party *party)
+static csp_party *offer_step(csp_kernel *csp, csp_party *party)
 {
     csp_offer *const offer = (csp_offer *)(void *)party;
     csp_offers *const offers = offer->offers;
     if (offer->collects) {
-        collect_all(offers, offer);
+        collect_all(csp, offers, offer);
     } else {
         done(offer);
     }
@@ -144,10 +144,10 @@ void csp_offers_init(csp_offers *offers, csp_offer *offer, uint32_t capacity)
     }
 }
 
-csp_progress csp_offers_begin(csp_party *party, csp_offers *offers)
+csp_progress csp_offers_begin(csp_kernel *csp, csp_party *party, csp_offers *offers)
 {
     if (csp_is_cancelled(party)) {
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     offers->process = party;
     offers->used = 0U;
@@ -157,7 +157,7 @@ csp_progress csp_offers_begin(csp_party *party, csp_offers *offers)
     return CSP_DONE;
 }
 
-bool csp_offer_meets(csp_offers *offers, const csp_medium *medium)
+bool csp_offer_meets(csp_kernel *csp, csp_offers *offers, const csp_medium *medium)
 {
     bool meets = false;
     switch (medium->kind) {
@@ -182,15 +182,15 @@ bool csp_offer_meets(csp_offers *offers, const csp_medium *medium)
         break;
     }
     if (meets) {
-        (void)csp_refuse(offers->process);
+        (void)csp_refuse(csp, offers->process);
     }
     return meets;
 }
 
-csp_progress csp_offer_made(csp_offers *offers, csp_medium *medium, size_t size, csp_progress progress)
+csp_progress csp_offer_made(csp_kernel *csp, csp_offers *offers, csp_medium *medium, size_t size, csp_progress progress)
 {
     if (progress == CSP_FAILS) {
-        csp_offers_give_up(offers);
+        csp_offers_give_up(csp, offers);
         return CSP_FAILS;
     }
     if (progress == CSP_WAITS) {

@@ -23,31 +23,31 @@ struct csp_offers {
     uint32_t capacity;
     uint32_t used;
     uint32_t waiting;
-    bool failed; /* a sample was missed; see csp.error */
+    bool failed; /* a sample was missed; see csp->error */
 };
 
 void csp_offers_init(csp_offers *offers, csp_offer *offer, uint32_t capacity);
 
 /* Begins the offers; CSP_FAILS if the process was cancelled. */
-csp_progress csp_offers_begin(csp_party *party, csp_offers *offers);
+csp_progress csp_offers_begin(csp_kernel *csp, csp_party *party, csp_offers *offers);
 
 /* Adds a communication; `operation` is the read or write function of the channel or end, PLACE is that of the CSP_AWAIT that follows:
  * CSP_AWAIT(csp_offers_wait(offers), csp_offers_again(party, offers), PLACE, FAILED) */
 #define CSP_OFFER(offers, operation, channel, variable, PLACE, FAILED)                                                 \
-    if (csp_offer_made((offers), CSP_MEDIUM(channel), sizeof(variable),                                                \
-                       csp_offer_refused((offers), CSP_MEDIUM(channel))                                                \
+    if (csp_offer_made(csp, (offers), CSP_MEDIUM(channel), sizeof(variable),                                                \
+                       csp_offer_refused(csp, (offers), CSP_MEDIUM(channel))                                                \
                            ? CSP_FAILS                                                                                 \
-                           : operation(csp_offer_next(offers), (channel), &(variable), sizeof(variable))) ==           \
+                           : operation(csp, csp_offer_next(offers), (channel), &(variable), sizeof(variable))) ==           \
         CSP_FAILS) {                                                                                                   \
         party->state = (uint16_t)(PLACE);                                                                              \
         goto FAILED;                                                                                                   \
     }
 
 /* Whether an earlier offer has caused the cancellation of the process, and this one would find a partner; then the process ends here. */
-bool csp_offer_meets(csp_offers *offers, const csp_medium *medium);
-static inline bool csp_offer_refused(csp_offers *offers, const csp_medium *medium)
+bool csp_offer_meets(csp_kernel *csp, csp_offers *offers, const csp_medium *medium);
+static inline bool csp_offer_refused(csp_kernel *csp, csp_offers *offers, const csp_medium *medium)
 {
-    return csp_is_cancelled(offers->process) && csp_offer_meets(offers, medium);
+    return csp_is_cancelled(offers->process) && csp_offer_meets(csp, offers, medium);
 }
 
 /* The party of the next offer, to be passed to the read or write function of a channel or end. */
@@ -57,10 +57,10 @@ static inline csp_party *csp_offer_next(csp_offers *offers)
 }
 
 /* To be called with the result of the read or write function for csp_offer_next. If that is CSP_FAILS, all other offers are given up. */
-csp_progress csp_offer_made(csp_offers *offers, csp_medium *medium, size_t size, csp_progress progress);
+csp_progress csp_offer_made(csp_kernel *csp, csp_offers *offers, csp_medium *medium, size_t size, csp_progress progress);
 
 /* Withdraws the offers that wait, because something else has failed between them. */
-void csp_offers_give_up(csp_offers *offers);
+void csp_offers_give_up(csp_kernel *csp, csp_offers *offers);
 
 csp_progress csp_offers_wait(csp_offers *offers);
 csp_progress csp_offers_again(csp_party *party, csp_offers *offers);

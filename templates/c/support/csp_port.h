@@ -5,13 +5,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-struct csp_program;
+struct csp_kernel;
 
 /* Called once at the start of time. */
 void csp_port_start(void);
 
 /* Called once at the end, after the safe values have been written. */
-void csp_port_finish(const struct csp_program *program);
+void csp_port_finish(struct csp_kernel *csp);
 
 /* Called in each iteration of the run: after at most 64 steps of processes, and in idle times whenever csp_port_wait_until returns.
  * It is not called while a step or a device function hangs, so this is the place to kick a hardware watchdog. The definitions in the

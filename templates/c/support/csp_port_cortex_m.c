@@ -64,9 +64,9 @@ void csp_port_start(void)
     SYSTICK_CONTROL = (uint32_t)SYSTICK_ENABLED | (uint32_t)SYSTICK_INTERRUPTS | (uint32_t)SYSTICK_OF_PROCESSOR;
 }
 
-void csp_port_finish(const struct csp_program *program)
+void csp_port_finish(struct csp_kernel *csp)
 {
-    (void)program;
+    (void)csp;
     SYSTICK_CONTROL = 0U;
 }
 

@@ -81,13 +81,13 @@ void csp_reset(void)
 /* Runs in thread mode: if a device function faults here, this function is started again, and the next output is released. */
 static void after_fault(void)
 {
-    csp_release_outputs();
+    csp_release_outputs(csp_owned());
     csp_port_fatal("fault of the processor");
 }
 
 static void after_exit(void)
 {
-    csp_release_outputs();
+    csp_release_outputs(csp_owned());
     csp_port_exit(successful);
 }
 

@@ -168,13 +168,13 @@ static void show_lateness(void)
     }
 }
 
-void csp_port_finish(const struct csp_program *program)
+void csp_port_finish(struct csp_kernel *csp)
 {
     if (instants > 0U) {
         show_lateness();
-        if (!program->reports_misses) {
+        if (!csp->program->reports_misses) {
             char text[MISSED] = "";
-            csp_describe_missed(program, text, sizeof text);
+            csp_describe_missed(csp, text, sizeof text);
             (void)fprintf(stderr, "  missed samples: %s\n", text);
         }
     }

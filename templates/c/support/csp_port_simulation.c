@@ -10,9 +10,9 @@ void csp_port_start(void)
 {
 }
 
-void csp_port_finish(const struct csp_program *program)
+void csp_port_finish(struct csp_kernel *csp)
 {
-    (void)program;
+    (void)csp;
 }
 
 __attribute__((weak)) void csp_port_alive(void)

@@ -43,58 +43,65 @@ void *csp_object_at(const csp_process *process, const csp_place *place)
     return object;
 }
 
-csp_progress csp_raise(csp_party *party, uint16_t exception, const char *place)
+csp_progress csp_raise(csp_kernel *csp, csp_party *party, uint16_t exception, const char *place)
 {
-    csp_observe_loop(NULL);
-    csp.error = no_error;
-    csp.error.exception = exception;
-    csp.error.place = place;
-    csp.error.process = (const csp_process *)(const void *)party;
+    csp_observe_loop(csp, NULL);
+    csp->error = no_error;
+    csp->error.exception = exception;
+    csp->error.place = place;
+    csp->error.process = (const csp_process *)(const void *)party;
     return CSP_FAILS;
 }
 
-csp_progress csp_raise_fault(csp_party *party)
+csp_progress csp_raise_fault(csp_kernel *csp, csp_party *party)
 {
-    (void)csp_raise(party, (uint16_t)CSP_FAULT_EXCEPTION, csp_fault.place);
-    csp.error.describe = csp_fault.describe;
-    csp.error.operands = csp_fault.operands;
-    csp.error.law = csp_fault.law;
-    csp_fault.describe = NULL;
+    (void)csp_raise(csp, party, (uint16_t)CSP_FAULT_EXCEPTION, csp->fault.place);
+    csp->error.describe = csp->fault.describe;
+    csp->error.operands = csp->fault.operands;
+    csp->error.law = csp->fault.law;
+    csp->fault.describe = NULL;
     return CSP_FAILS;
 }
 
-csp_progress csp_refuse(const csp_party *party)
+csp_progress csp_refuse(csp_kernel *csp, const csp_party *party)
 {
     (void)party;
-    csp_observe_loop(NULL);
-    csp.error = no_error;
-    csp.error.exception = CSP_CANCELLATION;
+    csp_observe_loop(csp, NULL);
+    csp->error = no_error;
+    csp->error.exception = CSP_CANCELLATION;
     return CSP_FAILS;
 }
 
-void csp_unwind(csp_party *party)
+void csp_unwind(csp_kernel *csp, csp_party *party)
 {
     if ((party->flags & (unsigned)CSP_ABANDONED) != 0U) {
         party->flags &= (uint8_t)~(unsigned)CSP_ABANDONED;
-        (void)csp_refuse(party);
-    } else if ((csp.error.process == NULL) && (csp.error.exception != (uint16_t)CSP_CANCELLATION)) {
-        csp.error.process = (const csp_process *)(const void *)party;
+        (void)csp_refuse(csp, party);
+    } else if ((csp->error.process == NULL) && (csp->error.exception != (uint16_t)CSP_CANCELLATION)) {
+        csp->error.process = (const csp_process *)(const void *)party;
     } else {
-        /* `csp.error` is already complete. */
+        /* `csp->error` is already complete. */
     }
-    if ((csp.error.place == NULL) && (csp.error.process == (const csp_process *)(const void *)party)) {
-        csp.error.place = csp_place_of(csp.error.process)->where;
-        csp.error.inner = csp_place_of(csp.error.process)->inner;
+    if ((csp->error.place == NULL) && (csp->error.process == (const csp_process *)(const void *)party)) {
+        csp->error.place = csp_place_of(csp->error.process)->where;
+        csp->error.inner = csp_place_of(csp->error.process)->inner;
     }
 }
 
-bool csp_catch(uint16_t exception)
+bool csp_catch(csp_kernel *csp, uint16_t exception)
 {
-    if (csp.error.exception != exception) {
+    if (csp->error.exception != exception) {
         return false;
     }
-    csp.error = no_error;
+    csp->error = no_error;
     return true;
+}
+
+void csp_require_written(csp_kernel *csp, const csp_written *written)
+{
+    if ((written != NULL) && !written->done) {
+        csp_not_written(csp, csp->program->variable_names[written->number]);
+    }
 }
 
 csp_party *csp_call(csp_party *party, csp_process *callee)
@@ -123,60 +130,60 @@ csp_process *csp_next_branch(csp_parallel *parallel)
     return NULL;
 }
 
-static inline void branch_ended(csp_parallel *parallel, bool cancelled)
+static inline void branch_ended(csp_kernel *csp, csp_parallel *parallel, bool cancelled)
 {
     parallel->pending--;
     if (parallel->pending == 0U) {
-        csp_ready(&parallel->parent->party);
+        csp_ready(csp, &parallel->parent->party);
     }
     if (parallel->interrupt != NULL) {
-        csp_body_ended(parallel->interrupt, cancelled);
+        csp_body_ended(csp, parallel->interrupt, cancelled);
     }
 }
 
 /* The first exception of a branch cancels the other branches, and is raised by the parallel. */
-static void branch_failed(csp_parallel *parallel)
+static void branch_failed(csp_kernel *csp, csp_parallel *parallel)
 {
-    const bool cancelled = csp.error.exception == (uint16_t)CSP_CANCELLATION;
+    const bool cancelled = csp->error.exception == (uint16_t)CSP_CANCELLATION;
     if (cancelled) {
         parallel->cancelled = true;
     } else if (parallel->error.exception == (uint16_t)CSP_NO_EXCEPTION) {
-        parallel->error = csp.error;
+        parallel->error = csp->error;
         parallel->run = 0U;
         parallel->index = 0U;
         csp_process *branch = csp_next_branch(parallel);
         while (branch != NULL) {
-            csp_cancel(branch, NULL);
+            csp_cancel(csp, branch, NULL);
             branch = csp_next_branch(parallel);
         }
     } else {
         /* A later exception is ignored. */
     }
-    branch_ended(parallel, cancelled);
+    branch_ended(csp, parallel, cancelled);
 }
 
-csp_party *csp_end(csp_party *party)
+csp_party *csp_end(csp_kernel *csp, csp_party *party)
 {
     const csp_process *const process = (const csp_process *)(const void *)party;
     const unsigned flags = party->flags;
     party->flags = (uint8_t)(flags | (unsigned)CSP_ENDED);
     if ((flags & (unsigned)CSP_BRANCH) != 0U) {
-        branch_ended((csp_parallel *)process->above, false);
+        branch_ended(csp, (csp_parallel *)process->above, false);
         return NULL;
     }
     if (process->above == NULL) {
-        csp.error = no_error;
+        csp->error = no_error;
     }
     return (csp_party *)process->above;
 }
 
-csp_party *csp_fail(csp_party *party)
+csp_party *csp_fail(csp_kernel *csp, csp_party *party)
 {
     const csp_process *const process = (const csp_process *)(const void *)party;
     const unsigned flags = party->flags;
     party->flags = (uint8_t)(flags | (unsigned)CSP_ENDED);
     if ((flags & (unsigned)CSP_BRANCH) != 0U) {
-        branch_failed((csp_parallel *)process->above);
+        branch_failed(csp, (csp_parallel *)process->above);
         return NULL;
     }
     if (process->above != NULL) {
@@ -186,10 +193,10 @@ csp_party *csp_fail(csp_party *party)
     return (csp_party *)process->above;
 }
 
-csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs)
+csp_progress csp_par(csp_kernel *csp, csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs)
 {
     if (csp_is_cancelled(party)) {
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     csp_process *const parent = (csp_process *)(void *)party;
     uint32_t pending = 0U;
@@ -209,7 +216,7 @@ csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branche
             branch->party.state = 0U;
             branch->party.flags = (uint8_t)CSP_BRANCH;
             branch->party.level = level;
-            csp_ready(&branch->party);
+            csp_ready(csp, &branch->party);
             at += branches[run].stride;
         }
         pending += branches[run].count;
@@ -218,14 +225,14 @@ csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branche
     return (pending == 0U) ? CSP_DONE : CSP_WAITS;
 }
 
-csp_progress csp_par_again(csp_party *party, csp_parallel *parallel)
+csp_progress csp_par_again(csp_kernel *csp, csp_party *party, csp_parallel *parallel)
 {
     if (parallel->error.exception != (uint16_t)CSP_NO_EXCEPTION) {
-        csp.error = parallel->error;
+        csp->error = parallel->error;
         return CSP_FAILS;
     }
     if (parallel->abandoned && parallel->cancelled) {
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     return CSP_DONE;
 }

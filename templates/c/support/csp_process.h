@@ -24,10 +24,10 @@
 /* One communication, which is complete when the process runs again. `operation` reads or writes: csp_channel_read, csp_any_write... */
 #define CSP_COMMUNICATE(operation, channel, variable, PLACE, FAILED)                                                   \
     if (csp_is_cancelled(party)) {                                                                                     \
-        (void)csp_refuse(party);                                                                                       \
+        (void)csp_refuse(csp, party);                                                                                       \
         goto FAILED;                                                                                                   \
     }                                                                                                                  \
-    if (operation(party, (channel), &(variable), sizeof(variable)) == CSP_WAITS) {                                     \
+    if (operation(csp, party, (channel), &(variable), sizeof(variable)) == CSP_WAITS) {                                     \
         party->state = (uint16_t)(PLACE);                                                                              \
         return NULL;                                                                                                   \
     case PLACE:;                                                                                                       \
@@ -35,8 +35,8 @@
 
 /* Reads an input from outside: `operation` is csp_sampled_read or csp_event_read, which ..._again continues. */
 #define CSP_TAKE(operation, end, variable, PLACE, FAILED)                                                              \
-    CSP_AWAIT(operation(party, (end), &(variable), sizeof(variable)),                                                  \
-              operation##_again(party, (end), &(variable), sizeof(variable)), PLACE, FAILED)
+    CSP_AWAIT(operation(csp, party, (end), &(variable), sizeof(variable)),                                                  \
+              operation##_again(csp, party, (end), &(variable), sizeof(variable)), PLACE, FAILED)
 
 /* Runs another process in sequence. When that has ended, the process continues here, or in the failed state of PLACE. */
 #define CSP_CALL(callee, PLACE)                                                                                        \
@@ -47,12 +47,13 @@
 /* The check for cancellation at communications that never wait: outputs to the outside, variables that are ports of control laws. */
 #define CSP_CHECK(FAILED)                                                                                              \
     if (csp_is_cancelled(party)) {                                                                                     \
-        (void)csp_refuse(party);                                                                                       \
+        (void)csp_refuse(csp, party);                                                                                       \
         goto FAILED;                                                                                                   \
     }
 
 /* The next free numbers, while a program is built. */
 typedef struct csp_numbers {
+    csp_kernel *csp;
     uint32_t process;
     uint32_t channel;
     uint32_t variable; /* of variables without an initial value that a process may read before they are written */
@@ -64,7 +65,7 @@ typedef struct csp_written {
 } csp_written;
 
 /* Notes a fault unless the variable was written; NULL: it always is. */
-void csp_require_written(const csp_written *written);
+void csp_require_written(csp_kernel *csp, const csp_written *written);
 
 /* To be called before the program starts. */
 void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number);
@@ -72,21 +73,21 @@ void csp_process_init(csp_process *process, const csp_class *kind, uint32_t numb
 /* Begins `callee` in sequence, in the task of `party`. Return the result to the scheduler. */
 csp_party *csp_call(csp_party *party, csp_process *callee);
 
-/* End the process: normally, or with the failure in `csp.error`. Return the result to the scheduler. */
-csp_party *csp_end(csp_party *party);
-csp_party *csp_fail(csp_party *party);
+/* End the process: normally, or with the failure in `csp->error`. Return the result to the scheduler. */
+csp_party *csp_end(csp_kernel *csp, csp_party *party);
+csp_party *csp_fail(csp_kernel *csp, csp_party *party);
 
-/* To be called first at a FAILED label, before ends are closed and exceptions caught: completes `csp.error`, also if the process was cancelled while it
+/* To be called first at a FAILED label, before ends are closed and exceptions caught: completes `csp->error`, also if the process was cancelled while it
  * waited. */
-void csp_unwind(csp_party *party);
+void csp_unwind(csp_kernel *csp, csp_party *party);
 
 /* Raises an exception in the process; `place` is that of the statement; NULL: that of the present state. Always CSP_FAILS. */
-csp_progress csp_raise(csp_party *party, uint16_t exception, const char *place);
+csp_progress csp_raise(csp_kernel *csp, csp_party *party, uint16_t exception, const char *place);
 /* Raises the Fault that is noted in csp_fault (csp_arithmetic.h). Always CSP_FAILS. */
-csp_progress csp_raise_fault(csp_party *party);
+csp_progress csp_raise_fault(csp_kernel *csp, csp_party *party);
 
-/* Catches `csp.error` if it is `exception`; returns whether it was. */
-bool csp_catch(uint16_t exception);
+/* Catches `csp->error` if it is `exception`; returns whether it was. */
+bool csp_catch(csp_kernel *csp, uint16_t exception);
 
 /* ---- Delays ---- */
 
@@ -102,14 +103,14 @@ struct csp_timer {
     bool runs;
 };
 
-csp_progress csp_wait(csp_party *party, csp_timer *timer, int64_t duration);
+csp_progress csp_wait(csp_kernel *csp, csp_party *party, csp_timer *timer, int64_t duration);
 static inline csp_progress csp_wait_again(const csp_party *party)
 {
     (void)party;
     return CSP_DONE;
 }
 /* Waits until the process is cancelled. */
-csp_progress csp_stop(csp_party *party);
+csp_progress csp_stop(csp_kernel *csp, csp_party *party);
 
 /* ---- Parallel ---- */
 
@@ -136,8 +137,8 @@ typedef struct csp_parallel {
 } csp_parallel;
 
 /* Starts all branches, in order. `party` waits for them with CSP_AWAIT(csp_par(...), csp_par_again(...), ...). */
-csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs);
-csp_progress csp_par_again(csp_party *party, csp_parallel *parallel);
+csp_progress csp_par(csp_kernel *csp, csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs);
+csp_progress csp_par_again(csp_kernel *csp, csp_party *party, csp_parallel *parallel);
 
 /* The struct whose `member` (a csp_process) is at `party`; for step functions of branches. */
 #define CSP_ENCLOSING(party, type, member) ((type *)(void *)((char *)(party) - offsetof(type, member)))

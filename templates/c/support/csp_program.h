@@ -24,8 +24,8 @@ typedef enum csp_ending {
 /* The plant and the operator, simulated; functions may be NULL. */
 typedef struct csp_environment {
     int64_t step;                 /* the grid in nanoseconds, on which event inputs are polled; 0: none */
-    bool (*start)(void);          /* evaluates the outputs at time 0, before processes run */
-    bool (*advance)(int64_t now); /* advances to `now` with its inputs held; false: it has failed */
+    bool (*start)(csp_kernel *csp); /* evaluates the outputs at time 0, before processes run */
+    bool (*advance)(csp_kernel *csp, int64_t now); /* advances to `now` with its inputs held; false: it has failed */
 } csp_environment;
 
 typedef enum csp_port_kind { CSP_PORT_SAMPLED, CSP_PORT_EVENT, CSP_PORT_LATCHED, CSP_PORT_DIRECT } csp_port_kind;
@@ -33,13 +33,13 @@ typedef enum csp_port_kind { CSP_PORT_SAMPLED, CSP_PORT_EVENT, CSP_PORT_LATCHED,
 /* A port of the outermost process. */
 typedef struct csp_port {
     csp_port_kind kind;
-    csp_medium *medium; /* csp_sampled_input, csp_event_input, csp_latched_output or csp_direct_output */
+    ptrdiff_t medium;   /* the distance from the kernel to the csp_sampled_input, csp_event_input, csp_latched_output or csp_direct_output */
     const void *safe;   /* of outputs: the value that is written at the end, however the run ends */
     const char *name;   /* "Jiwy.control_horizontal", for reports */
 } csp_port;
 
 typedef struct csp_program {
-    csp_process *process;  /* the outermost */
+    ptrdiff_t process;     /* the distance from the kernel to the outermost process */
     const csp_port *ports; /* in the order of the text */
     uint32_t port_count;
     const csp_environment *environment; /* NULL: none */
@@ -47,43 +47,77 @@ typedef struct csp_program {
     void (*process_name)(uint32_t number, char *text, size_t size);
     void (*channel_name)(uint32_t number, char *text, size_t size);
     const char *const *exception_names; /* of declared exceptions, from CSP_FIRST_EXCEPTION */
+    const char *const *variable_names;  /* of those that may be read before they were written, by number */
     bool reports_misses; /* the caller of csp_run reports missed samples, so the port does not */
 } csp_program;
 
-/* To be called first when a network is built: discards everything of an earlier run. */
-void csp_begin_building(void);
+/* What a run asks of its owner. Functions may be NULL; they are passed `context`. */
+typedef struct csp_hooks {
+    void *context;
+    bool real_time; /* whether time passes by itself; see csp_advance */
+    /* Around accesses to what interrupt handlers and other threads bring. They may be nested: the result of `lock` is passed to `unlock`, which restores the
+     * previous state. */
+    uint32_t (*lock)(void *context);
+    void (*unlock)(void *context, uint32_t outside);
+    void (*wake)(void *context);                 /* an event or a request to stop has come, maybe from an interrupt handler */
+    void (*alive)(void *context);                /* once in each turn, for a watchdog */
+    void (*met)(void *context, int64_t instant); /* in real time: this instant is going to be executed */
+} csp_hooks;
+
+typedef enum csp_phase { CSP_NOT_BUILT, CSP_BUILT, CSP_RUNNING, CSP_FINISHED } csp_phase;
+
+/* To be called first when a network is built, before each run: discards everything of an earlier run. `hooks` may be NULL: virtual time. */
+void csp_build(csp_kernel *csp, const csp_program *program, const csp_hooks *hooks);
+
+/* The parts of a program, which lie behind the kernel in the same memory. */
+static inline csp_process *csp_outermost(csp_kernel *csp)
+{
+    return (csp_process *)(void *)((char *)csp + csp->program->process);
+}
+static inline csp_medium *csp_medium_of(csp_kernel *csp, const csp_port *port)
+{
+    return (csp_medium *)(void *)((char *)csp + port->medium);
+}
 
 /* A run in steps, without waiting anywhere:
  *
- *     csp_begin(program)           CSP_MORE, or CSP_FAILED if the environment has failed
- *     csp_advance(until, steps)    runs everything that is due up to the instant, within this number of steps
- *     csp_next()                   the next instant at which something is due; INT64_MAX: nothing is
- *     csp_finish()                 writes the safe values
+ *     csp_begin(csp)                  CSP_MORE, or CSP_FAILED if the environment has failed
+ *     csp_advance(csp, until, steps)  runs everything that is due up to the instant, within this number of steps
+ *     csp_next(csp)                   the next instant at which something is due; INT64_MAX: nothing is
+ *     csp_finish(csp)                 writes the safe values
  *
- * The time is that of the caller. In virtual time (csp_port.h) every instant is executed in its turn, however far `until` is ahead. Against a clock, `until` is
+ * The time is that of the caller. In virtual time every instant is executed in its turn, however far `until` is ahead. In real time, `until` is
  * the present time, and everything up to it has passed: a tick that is followed by another one up to `until` is a missed sample. A run that has ended
  * answers in the same way again. */
-csp_ending csp_begin(const csp_program *program);
-csp_ending csp_advance(int64_t until, uint32_t steps);
-int64_t csp_next(void);
-void csp_finish(void);
+csp_ending csp_begin(csp_kernel *csp);
+csp_ending csp_advance(csp_kernel *csp, int64_t until, uint32_t steps);
+int64_t csp_next(csp_kernel *csp);
+void csp_finish(csp_kernel *csp);
 
-/* Runs to the end, or to the instant `until` (negative: without limit), and then writes the safe values. Afterwards `csp.now` is the time of the
- * end, and `csp.error` is the reason of a failure; if it has no exception, the environment has failed. */
-csp_ending csp_run(const csp_program *program, int64_t until);
+/* Runs to the end, or to the instant `until` (negative: without limit), and then writes the safe values. Afterwards `csp->now` is the time of the
+ * end, and `csp->error` is the reason of a failure; if it has no exception, the environment has failed. */
+csp_ending csp_run(csp_kernel *csp, int64_t until);
 
-/* Makes the run end soon, with safe values. May be called by signal handlers and interrupt handlers. */
-void csp_request_stop(void);
+/* The hooks of csp_run: those of the platform (csp_port.h). */
+const csp_hooks *csp_port_hooks(void);
+
+/* The run that belongs to the whole process of the operating system, or to the machine, whose handlers stop it and release its outputs; NULL: none. csp_run
+ * makes its run that one. */
+void csp_own(csp_kernel *csp);
+csp_kernel *csp_owned(void);
+
+/* Makes the run end soon, with safe values; NULL: none. May be called by signal handlers and interrupt handlers. */
+void csp_request_stop(csp_kernel *csp);
 
 /* Writes the safe values now, if the run will not reach its end: for fault handlers of the processor. Each output gets its safe value once, and
  * no other value after that. Threads other than that of the run call csp_request_stop instead. */
-void csp_release_outputs(void);
-/* Whether there is a run whose outputs are not released. */
-bool csp_is_driving(void);
+void csp_release_outputs(csp_kernel *csp);
+/* Whether there is a run, and its outputs are not released. */
+bool csp_is_driving(csp_kernel *csp);
 /* Gives up the outputs: from now on nothing is written to them. */
-void csp_forget_outputs(void);
-/* The number of iterations of all runs so far, for observers that check whether the present run makes progress. */
-uint32_t csp_iterations(void);
+void csp_forget_outputs(csp_kernel *csp);
+/* The number of iterations of the run so far, for observers that check whether the present run makes progress. */
+uint32_t csp_iterations(csp_kernel *csp);
 
 /* ---- Reports ---- */
 
@@ -94,8 +128,8 @@ typedef struct csp_waiting_process {
 } csp_waiting_process;
 
 /* Called once for every process that waits, in the order of the text. */
-typedef void csp_report(const csp_program *program, const csp_waiting_process *waiting);
-void csp_report_waiting(const csp_program *program, csp_report *report);
+typedef void csp_report(csp_kernel *csp, const csp_waiting_process *waiting);
+void csp_report_waiting(csp_kernel *csp, csp_report *report);
 
 typedef struct csp_wait_entry {
     const char *words; /* "to read", "to write", "for a delay to pass", "after", "skip"... */
@@ -109,19 +143,19 @@ typedef struct csp_wait_entry {
 bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_entry *entry);
 
 /* A line: "Ring.cell[3] waits to read Ring.link[2] (ring.csp:12)". */
-void csp_describe_waiting(const csp_program *program, const csp_waiting_process *waiting, char *text, size_t size);
-/* Descriptions of csp.error: the name of the exception; its message; its place, as "Jiwy.alignLH.velocity (laws.csp:12)"; and all three, as
+void csp_describe_waiting(csp_kernel *csp, const csp_waiting_process *waiting, char *text, size_t size);
+/* Descriptions of csp->error: the name of the exception; its message; its place, as "Jiwy.alignLH.velocity (laws.csp:12)"; and all three, as
  * "Fault: division by zero, in Jiwy.alignLH.velocity (laws.csp:12)". */
-const char *csp_exception_name(const csp_program *program);
-void csp_describe_message(const csp_program *program, char *text, size_t size);
-void csp_describe_place(const csp_program *program, char *text, size_t size);
+const char *csp_exception_name(csp_kernel *csp);
+void csp_describe_message(csp_kernel *csp, char *text, size_t size);
+void csp_describe_place(csp_kernel *csp, char *text, size_t size);
 /* What the run is doing, for another thread that finds it hanging: "the device function of Machine.level has not returned". */
-void csp_describe_present(char *text, size_t size);
+void csp_describe_present(csp_kernel *csp, char *text, size_t size);
 /* Which process is running and where, for another thread: "Main (loops.csp:12)", the place of a loop in which it cannot wait, or else "Main (last
  * waited at loops.csp:12)"; "": none. */
-void csp_describe_at_work(char *text, size_t size);
+void csp_describe_at_work(csp_kernel *csp, char *text, size_t size);
 /* The ports with missed samples, and how many: "level 3, speed 1"; "none". */
-void csp_describe_missed(const csp_program *program, char *text, size_t size);
-void csp_describe_error(const csp_program *program, char *text, size_t size);
+void csp_describe_missed(csp_kernel *csp, char *text, size_t size);
+void csp_describe_error(csp_kernel *csp, char *text, size_t size);
 
 #endif

@@ -2,64 +2,65 @@
 #include "csp_internal.h"
 #include "csp_shared.h"
 
-static const csp_program *volatile driving; /* the program whose outputs are not released; NULL: none */
-static volatile uint32_t next_port;         /* the next port to get its safe value */
-volatile bool csp_closed;
-const csp_medium *volatile csp_called;
-
-void csp_begin_driving(const csp_program *program)
+void csp_begin_driving(csp_kernel *csp)
 {
-    CSP_STORE(next_port, 0U);
-    CSP_STORE(csp_closed, false);
-    CSP_STORE(driving, program);
+    CSP_STORE(csp->next_port, 0U);
+    CSP_STORE(csp->closed, false);
+    CSP_STORE(csp->driving, true);
 }
 
-void csp_forget_outputs(void)
+void csp_forget_outputs(csp_kernel *csp)
 {
-    CSP_STORE(csp_closed, true);
-    CSP_STORE(driving, NULL);
+    if (csp == NULL) {
+        return;
+    }
+    CSP_STORE(csp->closed, true);
+    CSP_STORE(csp->driving, false);
 }
 
-bool csp_is_driving(void)
+bool csp_is_driving(csp_kernel *csp)
 {
-    return CSP_LOAD(driving) != NULL;
+    return (csp != NULL) && CSP_LOAD(csp->driving);
 }
 
-csp_calls csp_calls_now(void)
+csp_calls csp_calls_now(csp_kernel *csp)
 {
-    const csp_calls calls = {CSP_LOAD(driving), CSP_LOAD(csp_called), CSP_LOAD(csp_closed), CSP_LOAD(next_port)};
+    if (csp == NULL) {
+        return (csp_calls){false, NULL, false, 0U};
+    }
+    const csp_calls calls = {CSP_LOAD(csp->driving), CSP_LOAD(csp->called), CSP_LOAD(csp->closed), CSP_LOAD(csp->next_port)};
     return calls;
 }
 
-static void release_port(const csp_port *port)
+static void release_port(csp_kernel *csp, const csp_port *port)
 {
     if (port->safe == NULL) {
         return;
     }
+    const csp_medium *const medium = csp_medium_of(csp, port);
     const csp_driver *driver = NULL;
     if (port->kind == CSP_PORT_LATCHED) {
-        driver = &((const csp_latched_output *)(const void *)port->medium)->driver;
+        driver = &((const csp_latched_output *)(const void *)medium)->driver;
     } else {
-        driver = &((const csp_direct_output *)(const void *)port->medium)->driver;
+        driver = &((const csp_direct_output *)(const void *)medium)->driver;
     }
     if (driver->write != NULL) {
-        CSP_NOTE(csp_called, port->medium);
+        CSP_NOTE(csp->called, medium);
         driver->write(driver->device, port->safe);
-        CSP_NOTE(csp_called, NULL);
+        CSP_NOTE(csp->called, NULL);
     }
-    csp_observe_release(port->medium->number, port->safe);
+    csp_observe_release(csp, medium->number, port->safe);
 }
 
 /* If a device function fails here, a handler calls this function again, which continues with the next port. */
-void csp_release_outputs(void)
+void csp_release_outputs(csp_kernel *csp)
 {
-    const csp_program *const program = CSP_LOAD(driving);
-    if (program == NULL) {
+    if (!csp_is_driving(csp)) {
         return;
     }
-    CSP_STORE(csp_closed, true);
-    for (uint32_t index = CSP_COUNT(next_port); index < program->port_count; index = CSP_COUNT(next_port)) {
-        release_port(&program->ports[index]);
+    CSP_STORE(csp->closed, true);
+    for (uint32_t index = CSP_COUNT(csp->next_port); index < csp->program->port_count; index = CSP_COUNT(csp->next_port)) {
+        release_port(csp, &csp->program->ports[index]);
     }
-    CSP_STORE(driving, NULL);
+    CSP_STORE(csp->driving, false);
 }

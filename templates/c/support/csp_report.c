@@ -21,9 +21,9 @@ static bool waits_for_branches(const csp_process *process)
     return (parallel != NULL) && (parallel->pending > 0U);
 }
 
-void csp_report_waiting(const csp_program *program, csp_report *report)
+void csp_report_waiting(csp_kernel *csp, csp_report *report)
 {
-    csp_process *task = program->process;
+    csp_process *task = csp_outermost(csp);
     while (task != NULL) {
         const csp_process *parent = innermost(task);
         if (waits_for_branches(parent)) {
@@ -32,7 +32,7 @@ void csp_report_waiting(const csp_program *program, csp_report *report)
             parallel->index = 0U;
         } else {
             const csp_waiting_process waiting = {parent, csp_place_of(parent)};
-            report(program, &waiting);
+            report(csp, &waiting);
             parent = csp_parent_of(task);
         }
         task = NULL;
@@ -177,25 +177,25 @@ static void append_duration(int64_t duration, char *text, size_t size)
     csp_append(text, size, units[index].name);
 }
 
-static void append_channel(const csp_program *program, uint32_t channel, char *text, size_t size)
+static void append_channel(csp_kernel *csp, uint32_t channel, char *text, size_t size)
 {
     const size_t length = strlen(text);
-    if (program->channel_name != NULL) {
-        program->channel_name(channel, &text[length], size - length);
-    } else if ((channel < program->port_count) && (program->ports[channel].name != NULL)) {
-        csp_append(text, size, program->ports[channel].name);
+    if (csp->program->channel_name != NULL) {
+        csp->program->channel_name(channel, &text[length], size - length);
+    } else if ((channel < csp->program->port_count) && (csp->program->ports[channel].name != NULL)) {
+        csp_append(text, size, csp->program->ports[channel].name);
     } else {
         csp_append(text, size, "channel ");
         csp_append_digits(text, size, channel, 1);
     }
 }
 
-static void append_process(const csp_program *program, const csp_process *process, const char *inner, char *text,
+static void append_process(csp_kernel *csp, const csp_process *process, const char *inner, char *text,
                            size_t size)
 {
     const size_t length = strlen(text);
-    if (program->process_name != NULL) {
-        program->process_name(process->party.number, &text[length], size - length);
+    if (csp->program->process_name != NULL) {
+        csp->program->process_name(process->party.number, &text[length], size - length);
     } else {
         csp_append(text, size, process->kind->name);
     }
@@ -205,7 +205,7 @@ static void append_process(const csp_program *program, const csp_process *proces
     }
 }
 
-static void append_entry(const csp_program *program, const csp_wait_entry *entry, char *text, size_t size)
+static void append_entry(csp_kernel *csp, const csp_wait_entry *entry, char *text, size_t size)
 {
     csp_append(text, size, entry->words);
     if (entry->duration != 0) {
@@ -214,7 +214,7 @@ static void append_entry(const csp_program *program, const csp_wait_entry *entry
     }
     if (entry->named) {
         csp_append(text, size, " ");
-        append_channel(program, entry->channel, text, size);
+        append_channel(csp, entry->channel, text, size);
     }
 }
 
@@ -239,11 +239,11 @@ static bool is_repeated(const csp_waiting_process *waiting, uint32_t count, cons
     return repeated;
 }
 
-void csp_describe_waiting(const csp_program *program, const csp_waiting_process *waiting, char *text, size_t size)
+void csp_describe_waiting(csp_kernel *csp, const csp_waiting_process *waiting, char *text, size_t size)
 {
     csp_wait_entry entry = {"", false, 0U, 0, NULL};
     text[0] = '\0';
-    append_process(program, waiting->process, waiting->place->inner, text, size);
+    append_process(csp, waiting->process, waiting->place->inner, text, size);
     csp_append(text, size, " waits ");
     for (uint32_t index = 0U; csp_wait_of(waiting, index, &entry); index++) {
         if (is_repeated(waiting, index, &entry)) {
@@ -252,28 +252,28 @@ void csp_describe_waiting(const csp_program *program, const csp_waiting_process 
         if (index > 0U) {
             csp_append(text, size, " or ");
         }
-        append_entry(program, &entry, text, size);
+        append_entry(csp, &entry, text, size);
     }
     append_place((waiting->place->where != NULL) ? waiting->place->where : waiting->process->kind->where, text, size);
 }
 
-void csp_describe_message(const csp_program *program, char *text, size_t size)
+void csp_describe_message(csp_kernel *csp, char *text, size_t size)
 {
     text[0] = '\0';
-    if (csp.error.describe != NULL) {
-        csp.error.describe(&csp.error.operands, text, size);
-    } else if (csp.error.exception == (uint16_t)CSP_TIMEOUT_EXCEPTION) {
+    if (csp->error.describe != NULL) {
+        csp->error.describe(&csp->error.operands, text, size);
+    } else if (csp->error.exception == (uint16_t)CSP_TIMEOUT_EXCEPTION) {
         csp_append(text, size, "a sample of ");
-        append_channel(program, (uint32_t)csp.error.operands.integers[0], text, size);
+        append_channel(csp, (uint32_t)csp->error.operands.integers[0], text, size);
         csp_append(text, size, " was overwritten before it had been taken");
     } else {
         /* The name of the exception is the message. */
     }
 }
 
-const char *csp_exception_name(const csp_program *program)
+const char *csp_exception_name(csp_kernel *csp)
 {
-    switch (csp.error.exception) {
+    switch (csp->error.exception) {
     case CSP_NO_EXCEPTION:
         return "";
     case CSP_CANCELLATION:
@@ -283,43 +283,43 @@ const char *csp_exception_name(const csp_program *program)
     case CSP_TIMEOUT_EXCEPTION:
         return "Timeout";
     default:
-        return program->exception_names[csp.error.exception - (uint16_t)CSP_FIRST_EXCEPTION];
+        return csp->program->exception_names[csp->error.exception - (uint16_t)CSP_FIRST_EXCEPTION];
     }
 }
 
-void csp_describe_place(const csp_program *program, char *text, size_t size)
+void csp_describe_place(csp_kernel *csp, char *text, size_t size)
 {
     text[0] = '\0';
-    if (csp.error.process != NULL) {
-        append_process(program, csp.error.process, csp.error.inner, text, size);
-        if (csp.error.law != NULL) {
+    if (csp->error.process != NULL) {
+        append_process(csp, csp->error.process, csp->error.inner, text, size);
+        if (csp->error.law != NULL) {
             csp_append(text, size, ".");
-            csp_append(text, size, csp.error.law);
+            csp_append(text, size, csp->error.law);
         }
-        append_place((csp.error.place != NULL) ? csp.error.place : csp.error.process->kind->where, text, size);
+        append_place((csp->error.place != NULL) ? csp->error.place : csp->error.process->kind->where, text, size);
     }
 }
 
-void csp_describe_error(const csp_program *program, char *text, size_t size)
+void csp_describe_error(csp_kernel *csp, char *text, size_t size)
 {
     text[0] = '\0';
-    csp_append(text, size, csp_exception_name(program));
+    csp_append(text, size, csp_exception_name(csp));
     const size_t named = strlen(text);
     csp_append(text, size, ": ");
-    csp_describe_message(program, &text[strlen(text)], size - strlen(text));
+    csp_describe_message(csp, &text[strlen(text)], size - strlen(text));
     if (text[named + 2U] == '\0') {
         text[named] = '\0';
     }
-    if (csp.error.process != NULL) {
+    if (csp->error.process != NULL) {
         csp_append(text, size, ", in ");
-        csp_describe_place(program, &text[strlen(text)], size - strlen(text));
+        csp_describe_place(csp, &text[strlen(text)], size - strlen(text));
     }
 }
 
 /* The process that is running, as another thread sees it; NULL: none. */
-static const csp_process *present_process(void)
+static const csp_process *present_process(csp_kernel *csp)
 {
-    const csp_party *const party = CSP_LOAD(csp.current);
+    const csp_party *const party = CSP_LOAD(csp->current);
     if ((party != NULL) && ((party->flags & (unsigned)CSP_OFFERED) != 0U)) {
         return (const csp_process *)(const void *)((const csp_offer *)(const void *)party)->offers->process;
     }
@@ -327,14 +327,16 @@ static const csp_process *present_process(void)
 }
 
 /* Appends where a process is, given the place where it last waited. */
-static void append_whereabouts(const csp_place *place, char *text, size_t size)
+static void append_whereabouts(csp_kernel *csp, const csp_place *place, char *text, size_t size)
 {
 #if CSP_TRACE
-    const char *const loop = csp.loop;
+    const char *const loop = csp->loop;
     if (loop != NULL) {
         append_place(loop, text, size);
         return;
     }
+#else
+    (void)csp;
 #endif
     const bool waited = place->waiting != (uint8_t)CSP_AT_NOTHING;
     csp_append(text, size, waited ? " (last waited at " : " (");
@@ -342,33 +344,33 @@ static void append_whereabouts(const csp_place *place, char *text, size_t size)
     csp_append(text, size, ")");
 }
 
-void csp_describe_at_work(char *text, size_t size)
+void csp_describe_at_work(csp_kernel *csp, char *text, size_t size)
 {
-    const csp_calls calls = csp_calls_now();
-    const csp_process *const process = present_process();
+    const csp_calls calls = csp_calls_now(csp);
+    const csp_process *const process = present_process(csp);
     text[0] = '\0';
-    if ((calls.program == NULL) || (process == NULL)) {
+    if (!calls.driving || (process == NULL)) {
         return;
     }
     const csp_place *const place = csp_place_of(process);
-    append_process(calls.program, process, place->inner, text, size);
-    append_whereabouts(place, text, size);
+    append_process(csp, process, place->inner, text, size);
+    append_whereabouts(csp, place, text, size);
 }
 
 /* The state is read while it may change, so a process is described by what changes least. */
-void csp_describe_present(char *text, size_t size)
+void csp_describe_present(csp_kernel *csp, char *text, size_t size)
 {
-    const csp_calls calls = csp_calls_now();
-    const csp_process *const process = present_process();
+    const csp_calls calls = csp_calls_now(csp);
+    const csp_process *const process = present_process(csp);
     text[0] = '\0';
-    if (calls.program == NULL) {
+    if (!calls.driving) {
         csp_append(text, size, "nothing runs");
     } else if (calls.port != NULL) {
         csp_append(text, size, calls.releases ? "" : "the device function of ");
-        append_channel(calls.program, calls.port->number, text, size);
+        append_channel(csp, calls.port->number, text, size);
         csp_append(text, size, calls.releases ? " does not take its safe value" : " has not returned");
     } else if (process != NULL) {
-        append_process(calls.program, process, csp_place_of(process)->inner, text, size);
+        append_process(csp, process, csp_place_of(process)->inner, text, size);
         append_place(csp_place_of(process)->where, text, size);
         csp_append(text, size, " has not reached its next communication");
     } else {
@@ -376,17 +378,17 @@ void csp_describe_present(char *text, size_t size)
     }
 }
 
-void csp_describe_missed(const csp_program *program, char *text, size_t size)
+void csp_describe_missed(csp_kernel *csp, char *text, size_t size)
 {
     text[0] = '\0';
-    for (uint32_t index = 0U; index < program->port_count; index++) {
-        const csp_medium *const medium = program->ports[index].medium;
-        const uint32_t missed = (program->ports[index].kind == CSP_PORT_SAMPLED)
+    for (uint32_t index = 0U; index < csp->program->port_count; index++) {
+        const csp_medium *const medium = csp_medium_of(csp, &csp->program->ports[index]);
+        const uint32_t missed = (csp->program->ports[index].kind == CSP_PORT_SAMPLED)
                                     ? ((const csp_sampled_input *)(const void *)medium)->missed
                                     : 0U;
         if (missed > 0U) {
             csp_append(text, size, (text[0] == '\0') ? "" : ", ");
-            append_channel(program, medium->number, text, size);
+            append_channel(csp, medium->number, text, size);
             csp_append(text, size, " ");
             csp_append_digits(text, size, missed, 1);
         }

@@ -1,4 +1,4 @@
-/* A whole run: steps of csp_advance, and waiting between them. */
+/* A whole run on a platform: steps of csp_advance, and waiting between them. */
 #include "csp_internal.h"
 #include "csp_port.h"
 
@@ -11,45 +11,46 @@ static int64_t earlier(int64_t one, int64_t other)
     return (one < other) ? one : other;
 }
 
-static csp_ending run_in_virtual_time(int64_t last)
+static csp_ending run_in_virtual_time(csp_kernel *csp, int64_t last)
 {
     csp_ending ending = CSP_BUDGET;
     while (ending == CSP_BUDGET) {
-        ending = csp_advance(last, STEPS_IN_VIRTUAL_TIME);
+        ending = csp_advance(csp, last, STEPS_IN_VIRTUAL_TIME);
     }
     return ending;
 }
 
-static csp_ending run_in_real_time(int64_t last)
+static csp_ending run_in_real_time(csp_kernel *csp, int64_t last)
 {
     int64_t until = 0;
-    csp_ending ending = csp_advance(until, STEPS_IN_REAL_TIME);
+    csp_ending ending = csp_advance(csp, until, STEPS_IN_REAL_TIME);
     while (((ending == CSP_MORE) || (ending == CSP_BUDGET)) && (until < last)) {
         if (ending == CSP_MORE) {
-            csp_port_wait_until(earlier(csp_next(), last));
+            csp_port_wait_until(earlier(csp_next(csp), last));
         }
         until = earlier(csp_port_now(), last);
-        ending = csp_advance(until, STEPS_IN_REAL_TIME);
+        ending = csp_advance(csp, until, STEPS_IN_REAL_TIME);
     }
     return ending;
 }
 
-csp_ending csp_run(const csp_program *program, int64_t until)
+csp_ending csp_run(csp_kernel *csp, int64_t until)
 {
     const int64_t last = ((until >= 0) && (until < CSP_END_OF_TIME)) ? until : CSP_END_OF_TIME;
-    csp_ending ending = csp_begin(program);
+    csp_own(csp);
+    csp_ending ending = csp_begin(csp);
     if (ending == CSP_NOT_INITIALIZED) {
         return ending;
     }
     if (ending == CSP_MORE) {
         csp_port_start();
-        ending = csp_port_virtual_time ? run_in_virtual_time(last) : run_in_real_time(last);
+        ending = csp->real_time ? run_in_real_time(csp, last) : run_in_virtual_time(csp, last);
     }
     if ((ending == CSP_MORE) || (ending == CSP_BUDGET)) {
         ending = CSP_TIME_LIMIT;
-        csp.now = last;
+        csp->now = last;
     }
-    csp_finish();
-    csp_port_finish(program);
+    csp_finish(csp);
+    csp_port_finish(csp);
     return ending;
 }

@@ -99,12 +99,12 @@ void csp_signals_ask_to_stop(int number)
     if (CSP_LOAD(first) == 0U) {
         (void)clock_gettime(CLOCK_MONOTONIC, &stop_requested_at);
         CSP_STORE(first, (uint32_t)number);
-    } else if (!csp_is_driving() && is_request_old()) {
+    } else if (!csp_is_driving(csp_owned()) && is_request_old()) {
         _exit((int)CSP_SIGNALLED + (int)CSP_LOAD(first));
     } else {
         /* The run has already been requested to stop. */
     }
-    csp_request_stop();
+    csp_request_stop(csp_owned());
 }
 
 static void stop(int number)
@@ -119,23 +119,23 @@ static void stop(int number)
 /* A thread other than that of the run waits until the run has stopped and released the outputs; the watcher limits how long that takes. */
 static void release(void)
 {
-    if (!csp_is_driving()) {
+    if (!csp_is_driving(csp_owned())) {
         return;
     }
     if (!in_owner()) {
         CSP_STORE(leaving, true);
-        csp_request_stop();
-        for (uint32_t checks = 0U; csp_is_driving() && (csp_watch_runs() || (checks < (CSP_GRACE * (uint32_t)CSP_CHECKS))); checks++) {
+        csp_request_stop(csp_owned());
+        for (uint32_t checks = 0U; csp_is_driving(csp_owned()) && (csp_watch_runs() || (checks < (CSP_GRACE * (uint32_t)CSP_CHECKS))); checks++) {
             csp_watch_wait_for_check();
         }
     }
-    csp_release_outputs();
+    csp_release_outputs(csp_owned());
 }
 
 /* Registered again before the release, for the case that a device function calls exit: each exit removes a function from the list and continues after it. */
 static void at_exit(void)
 {
-    if (csp_is_driving()) {
+    if (csp_is_driving(csp_owned())) {
         (void)atexit(at_exit);
         release();
         csp_watch_attend(true);
@@ -225,7 +225,7 @@ static void let_through(void)
 static void in_child(void)
 {
     if (begun > 0U) {
-        csp_forget_outputs();
+        csp_forget_outputs(csp_owned());
         give_back_signals();
         begun = 0U;
         csp_watch_forget();
@@ -235,7 +235,7 @@ static void in_child(void)
 static void owner_ends(void *nothing)
 {
     (void)nothing;
-    csp_release_outputs();
+    csp_release_outputs(csp_owned());
     csp_watch_attend(true);
     begun = 1U;
     csp_signals_end();

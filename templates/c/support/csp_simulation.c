@@ -97,60 +97,61 @@ static const csp_scenario *find(const csp_scenario *scenarios, uint32_t count, c
     return NULL;
 }
 
-static void count_misses(const csp_program *program)
+static void count_misses(csp_kernel *csp)
 {
+    const csp_program *const program = csp->program;
     for (uint32_t index = 0; index < program->port_count; index++) {
         if (program->ports[index].kind == CSP_PORT_SAMPLED) {
-            ((csp_sampled_input *)(void *)program->ports[index].medium)->counts = true;
+            ((csp_sampled_input *)(void *)csp_medium_of(csp, &program->ports[index]))->counts = true;
         }
     }
 }
 
-static void show_waiting(const csp_program *program, const csp_waiting_process *waiting)
+static void show_waiting(csp_kernel *csp, const csp_waiting_process *waiting)
 {
     char text[TEXT] = "";
-    csp_describe_waiting(program, waiting, text, sizeof text);
+    csp_describe_waiting(csp, waiting, text, sizeof text);
     (void)fprintf(stderr, "  %s\n", text);
 }
 
-static void show_missed(const csp_program *program)
+static void show_missed(csp_kernel *csp)
 {
     char text[TEXT] = "";
-    csp_describe_missed(program, text, sizeof text);
+    csp_describe_missed(csp, text, sizeof text);
     (void)fprintf(stderr, "  missed samples: %s\n", text);
 }
 
-/* Describes the failure of a process, or of the environment, whose faults remain in `csp_fault`. */
-static void describe_failure(const csp_program *program, char *text, size_t size)
+/* Describes the failure of a process, or of the environment, whose faults remain in `csp->fault`. */
+static void describe_failure(csp_kernel *csp, char *text, size_t size)
 {
-    if (csp.error.exception != (uint16_t)CSP_NO_EXCEPTION) {
-        csp_describe_error(program, text, size);
-    } else if (csp_faulted()) {
-        csp_fault.describe(&csp_fault.operands, text, size);
+    if (csp->error.exception != (uint16_t)CSP_NO_EXCEPTION) {
+        csp_describe_error(csp, text, size);
+    } else if (csp_faulted(csp)) {
+        csp->fault.describe(&csp->fault.operands, text, size);
     } else {
         (void)snprintf(text, size, "the environment has failed");
     }
 }
 
-static void show(const csp_program *program, csp_ending ending, double duration)
+static void show(csp_kernel *csp, csp_ending ending, double duration)
 {
     static const char *const endings[] = {"ended by itself", "ended unsuccessfully", "deadlock",
                                           "reached the time limit", "stopped", "not initialized"};
-    const double simulated = csp_seconds(csp.now);
+    const double simulated = csp_seconds(csp->now);
     (void)fprintf(stderr, "%s at %.9g s", endings[ending], simulated);
     if (ending == CSP_FAILED) {
         char text[TEXT] = "";
-        describe_failure(program, text, sizeof text);
+        describe_failure(csp, text, sizeof text);
         (void)fprintf(stderr, ": %s", text);
     }
     (void)fprintf(stderr, "\n  simulated in %.3g s, %.0f times real time\n", duration, simulated / duration);
     if (ending == CSP_DEADLOCK) {
-        csp_report_waiting(program, show_waiting);
+        csp_report_waiting(csp, show_waiting);
     }
-    show_missed(program);
+    show_missed(csp);
 }
 
-int csp_simulate(int count, char **options, const csp_program *program, const csp_names *names,
+int csp_simulate(int count, char **options, csp_kernel *csp, const csp_names *names,
                  const csp_scenario *scenarios, uint32_t scenario_count)
 {
     request parsed = {NULL, -1, 0, -1, CSP_SILENT};
@@ -162,30 +163,29 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     if (scenario == NULL) {
         return EXIT_WRONG_OPTION;
     }
-    static csp_environment environment;
-    csp_program run = *program;
-    run.reports_misses = true;
-    if (scenario->environment != NULL) {
-        environment = *scenario->environment;
-        run.environment = &environment;
-    }
     scenario->connect();
+    static csp_program program; /* handlers may look at it until the process ends */
+    program = *csp->program;
+    program.reports_misses = true;
+    program.environment = scenario->environment;
+    csp->program = &program;
     if (scenario->counts_misses) {
-        count_misses(&run);
+        count_misses(csp);
     }
+    csp_own(csp);
     csp_signals_begin();
     if (parsed.parent != 0) {
         csp_signals_end_with_parent((long)parsed.parent);
     }
     csp_signals_report((int)parsed.listener);
-    csp_stream_begin(&run, names, parsed.observed);
+    csp_stream_begin(csp, names, parsed.observed);
     const double began = seconds_now();
-    const csp_ending ending = csp_run(&run, parsed.until);
+    const csp_ending ending = csp_run(csp, parsed.until);
     const double duration = seconds_now() - began;
     const int status = csp_exit_status(ending);
     if (parsed.observed == CSP_SILENT) {
-        show(&run, ending, duration);
-    } else if (!csp_stream_end(&run, ending, duration)) {
+        show(csp, ending, duration);
+    } else if (!csp_stream_end(csp, ending, duration)) {
         (void)fprintf(stderr, "could not write everything to standard output\n");
         return (status == EXIT_SUCCESS) ? EXIT_FAILURE : status;
     } else {

@@ -31,7 +31,7 @@ typedef struct csp_names {
  *
  * The exit status: 0 if the program ended by itself or at its time limit, 1 if it failed or cannot continue, 2 for a wrong option; 128 plus
  * the number of the signal that stopped it. */
-int csp_simulate(int count, char **options, const csp_program *program, const csp_names *names,
+int csp_simulate(int count, char **options, csp_kernel *csp, const csp_names *names,
                  const csp_scenario *scenarios, uint32_t scenario_count);
 
 #endif

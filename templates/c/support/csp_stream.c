@@ -59,23 +59,23 @@ static bool silent;
 static volatile bool lost; /* some records could not be written */
 
 /* Stops the run, because its records cannot be written. */
-static void give_up(void)
+static void give_up(csp_kernel *csp)
 {
     const bool nobody_reads = errno == EPIPE;
     CSP_STORE(lost, true);
-    csp_request_stop();
+    csp_request_stop(csp);
     if (nobody_reads) {
         (void)kill(getpid(), SIGPIPE); /* the writing thread may have blocked the signal */
     }
 }
 
 /* Writes at most `size` bytes of the rows that are not sent. Returns whether to continue: some were written, or another attempt may succeed. */
-static bool send_some(size_t size)
+static bool send_some(csp_kernel *csp, size_t size)
 {
     const ssize_t written = CSP_LOAD(lost) ? 0 : write(STDOUT_FILENO, (const unsigned char *)buffer + sent, size);
     sent += (written > 0) ? (size_t)written : 0U;
     if ((written < 0) && (errno != EINTR) && (errno != EAGAIN)) {
-        give_up();
+        give_up(csp);
     }
     return !CSP_LOAD(lost);
 }
@@ -93,13 +93,13 @@ static void hold_back(sigset_t *before)
 }
 
 /* Sends all complete records, and moves an incomplete one to the front. */
-static void send_complete(void)
+static void send_complete(csp_kernel *csp)
 {
     sigset_t before;
     hold_back(&before);
     (void)pthread_mutex_lock(&sending);
     const size_t end = complete * sizeof(row);
-    while ((sent < end) && send_some(end - sent)) {
+    while ((sent < end) && send_some(csp, end - sent)) {
         /* A pipe accepts as much as it has room for. */
     }
     (void)memmove(buffer, &buffer[complete], (filled - complete) * sizeof(row));
@@ -126,7 +126,7 @@ static void attend(bool last)
     bool continues = true;
     while (continues && (sent < end) && has_room(last ? (int)LONGEST_WAIT : 0)) {
         const size_t rest = end - sent; /* a pipe with room accepts a part of it without waiting */
-        continues = send_some((rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF);
+        continues = send_some(csp_owned(), (rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF);
     }
     (void)pthread_mutex_unlock(&sending);
 }
@@ -142,18 +142,18 @@ static int64_t time_used(void)
     return ((int64_t)present.tv_sec * INT64_C(1000000000)) + (int64_t)present.tv_nsec;
 }
 
-static void flush(void)
+static void flush(csp_kernel *csp)
 {
     const int64_t before = time_used();
-    send_complete();
+    send_complete(csp);
     reporting += time_used() - before;
 }
 
 #else
 
-static void flush(void)
+static void flush(csp_kernel *csp)
 {
-    send_complete();
+    send_complete(csp);
 }
 
 #endif
@@ -164,14 +164,14 @@ static void completes(void)
 }
 
 /* Adds a row. A record that is longer than the buffer is sent in pieces. */
-static row *add_row(uint32_t kind, uint32_t number)
+static row *add_row(csp_kernel *csp, uint32_t kind, uint32_t number)
 {
     if (filled == (size_t)ROWS) {
-        flush();
+        flush(csp);
     }
     if (filled == (size_t)ROWS) {
         completes();
-        flush();
+        flush(csp);
     }
     row *const added = &buffer[filled];
     filled++;
@@ -181,11 +181,11 @@ static row *add_row(uint32_t kind, uint32_t number)
 }
 
 /* Begins a record where the last complete one ends, discarding an incomplete one. */
-static row *begin_record(uint32_t kind, uint32_t number)
+static row *begin_record(csp_kernel *csp, uint32_t kind, uint32_t number)
 {
     filled = complete;
-    row *const added = add_row(kind, number);
-    added->time = csp.now;
+    row *const added = add_row(csp, kind, number);
+    added->time = csp->now;
     added->writer = 0;
     added->reader = 0;
     added->value = 0;
@@ -202,20 +202,20 @@ static size_t put_payload(row *into, const unsigned char *bytes, size_t size)
     return count;
 }
 
-static void put_rest(const unsigned char *bytes, size_t size)
+static void put_rest(csp_kernel *csp, const unsigned char *bytes, size_t size)
 {
     size_t done = 0U;
     while (done < size) {
-        done += put_payload(add_row(CONTINUATION, 0), &bytes[done], size - done);
+        done += put_payload(add_row(csp, CONTINUATION, 0), &bytes[done], size - done);
     }
 }
 
-static void put_text(const char *text)
+static void put_text(csp_kernel *csp, const char *text)
 {
     const unsigned char *const bytes = (const unsigned char *)((text != NULL) ? text : "");
     const size_t length = strlen((const char *)bytes);
-    const size_t begun = put_payload(add_row(TEXT_OF_RECORD, (uint32_t)length), bytes, length);
-    put_rest(&bytes[begun], length - begun);
+    const size_t begun = put_payload(add_row(csp, TEXT_OF_RECORD, (uint32_t)length), bytes, length);
+    put_rest(csp, &bytes[begun], length - begun);
 }
 
 #if CSP_TRACE
@@ -226,10 +226,10 @@ static uint32_t observed_channels;
 static uint32_t named_channels;
 static bool only_signals;
 
-static void put_value(uint32_t kind, uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
+static void put_value(csp_kernel *csp, uint32_t kind, uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
     const size_t size = known->channel_sizes[channel];
-    row *const added = begin_record(kind, channel);
+    row *const added = begin_record(csp, kind, channel);
     added->writer = writer;
     added->reader = reader;
     if (size == sizeof added->value) { /* a constant size, which is faster */
@@ -239,67 +239,67 @@ static void put_value(uint32_t kind, uint32_t channel, const void *value, uint32
     } else {
         const unsigned char *const bytes = (const unsigned char *)value;
         (void)memcpy(&added->value, bytes, sizeof added->value);
-        put_rest(&bytes[sizeof added->value], size - sizeof added->value);
+        put_rest(csp, &bytes[sizeof added->value], size - sizeof added->value);
     }
     completes();
 }
 
-void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
+void csp_observe(csp_kernel *csp, uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
     if ((channel < observed_channels) && !(only_signals && (ports[channel].kind == CSP_PORT_SAMPLED))) {
-        put_value(COMMUNICATION, channel, value, writer, reader);
+        put_value(csp, COMMUNICATION, channel, value, writer, reader);
     }
 }
 
-void csp_observe_sample(uint32_t port, const void *value)
+void csp_observe_sample(csp_kernel *csp, uint32_t port, const void *value)
 {
     if (port < observed_channels) {
-        put_value(SAMPLE, port, value, 0, 0);
+        put_value(csp, SAMPLE, port, value, 0, 0);
     }
 }
 
-void csp_observe_release(uint32_t port, const void *value)
+void csp_observe_release(csp_kernel *csp, uint32_t port, const void *value)
 {
     if (port < observed_channels) {
-        put_value(RELEASE, port, value, 0, 0);
+        put_value(csp, RELEASE, port, value, 0, 0);
     }
 }
 
-static void begins_or_ends(uint32_t kind, uint32_t number)
+static void begins_or_ends(csp_kernel *csp, uint32_t kind, uint32_t number)
 {
     if (!silent) {
-        (void)begin_record(kind, number);
+        (void)begin_record(csp, kind, number);
         completes();
     }
 }
 
-void csp_observe_begin(uint32_t number)
+void csp_observe_begin(csp_kernel *csp, uint32_t number)
 {
-    begins_or_ends(BEGIN, number);
+    begins_or_ends(csp, BEGIN, number);
 }
 
-void csp_observe_end(uint32_t number)
+void csp_observe_end(csp_kernel *csp, uint32_t number)
 {
-    begins_or_ends(END, number);
+    begins_or_ends(csp, END, number);
 }
 
 /* Writes the names of the channels before `end` that have not been named yet. */
-static void name_channels(uint32_t end)
+static void name_channels(csp_kernel *csp, uint32_t end)
 {
     for (; named_channels < end; named_channels++) {
-        begin_record(CHANNEL, named_channels)->writer = known->channel_sizes[named_channels];
-        put_text(known->channel_names[named_channels]);
+        begin_record(csp, CHANNEL, named_channels)->writer = known->channel_sizes[named_channels];
+        put_text(csp, known->channel_names[named_channels]);
         completes();
     }
 }
 
 /* A waiting process may wait at any channel, observed or not. */
-static void name_all_channels(void)
+static void name_all_channels(csp_kernel *csp)
 {
-    name_channels(known->channel_count);
+    name_channels(csp, known->channel_count);
 }
 
-void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed)
+void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed observed)
 {
     silent = observed == CSP_SILENT;
     csp_signals_attend(attend);
@@ -308,33 +308,34 @@ void csp_stream_begin(const csp_program *program, const csp_names *names, csp_ob
         return;
     }
     known = names;
-    ports = program->ports;
+    ports = csp->program->ports;
     only_signals = observed == CSP_OBSERVE_SIGNALS;
     if (observed != CSP_OBSERVE_NONE) {
-        observed_channels = (observed == CSP_OBSERVE_ALL) ? names->channel_count : program->port_count;
+        observed_channels = (observed == CSP_OBSERVE_ALL) ? names->channel_count : csp->program->port_count;
     }
     named_channels = 0;
-    name_channels((observed_channels > program->port_count) ? observed_channels : program->port_count);
+    name_channels(csp, (observed_channels > csp->program->port_count) ? observed_channels : csp->program->port_count);
     for (uint32_t number = 1; number <= names->process_count; number++) {
-        (void)begin_record(PROCESS, number);
-        put_text(names->process_names[number]);
-        put_text(names->process_kinds[number]);
+        (void)begin_record(csp, PROCESS, number);
+        put_text(csp, names->process_names[number]);
+        put_text(csp, names->process_kinds[number]);
         completes();
     }
 }
 
 #else
 
-void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed)
+void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed observed)
 {
-    (void)program;
+    (void)csp;
     (void)names;
     silent = observed == CSP_SILENT;
     csp_signals_attend(attend);
 }
 
-static void name_all_channels(void)
+static void name_all_channels(csp_kernel *csp)
 {
+    (void)csp;
     /* Without CSP_TRACE channels have no names. */
 }
 
@@ -348,64 +349,64 @@ static bool is_missing(const csp_broadcast *channel, const csp_broadcast_end *en
 
 /* A process that has been reported waits at a channel. If it waits to write to a broadcast: which of its ends are missing, numbered from 0 in the order
  * in which they are served. */
-static void report_waiting_at(const csp_wait_entry *entry)
+static void report_waiting_at(csp_kernel *csp, const csp_wait_entry *entry)
 {
     const csp_broadcast *const channel =
         (entry->medium->kind == (uint8_t)CSP_BROADCAST) ? (const csp_broadcast *)(const void *)entry->medium : NULL;
     uint32_t index = 0;
-    begin_record(WAITING_AT, entry->channel)->writer = UINT32_MAX;
+    begin_record(csp, WAITING_AT, entry->channel)->writer = UINT32_MAX;
     completes();
     for (const csp_broadcast_end *end = (channel != NULL) ? channel->ends : NULL; end != NULL; end = end->next) {
         if (is_missing(channel, end)) {
-            begin_record(WAITING_AT, entry->channel)->writer = index;
+            begin_record(csp, WAITING_AT, entry->channel)->writer = index;
             completes();
         }
         index++;
     }
 }
 
-static void report_waiting_process(const csp_program *program, const csp_waiting_process *waiting)
+static void report_waiting_process(csp_kernel *csp, const csp_waiting_process *waiting)
 {
     char text[TEXT] = "";
     csp_wait_entry entry;
-    name_all_channels();
-    (void)begin_record(WAITING, waiting->process->party.number);
-    if (program->process_name != NULL) {
-        program->process_name(waiting->process->party.number, text, sizeof text);
+    name_all_channels(csp);
+    (void)begin_record(csp, WAITING, waiting->process->party.number);
+    if (csp->program->process_name != NULL) {
+        csp->program->process_name(waiting->process->party.number, text, sizeof text);
     }
-    put_text(text);
-    put_text(waiting->process->kind->where);
-    put_text(waiting->place->where);
-    csp_describe_waiting(program, waiting, text, sizeof text);
-    put_text(text);
+    put_text(csp, text);
+    put_text(csp, waiting->process->kind->where);
+    put_text(csp, waiting->place->where);
+    csp_describe_waiting(csp, waiting, text, sizeof text);
+    put_text(csp, text);
     completes();
     for (uint32_t index = 0; csp_wait_of(waiting, index, &entry); index++) {
         if (entry.named) {
-            report_waiting_at(&entry);
+            report_waiting_at(csp, &entry);
         }
     }
 }
 
 /* Writes exception, message and place. A fault of the environment remains in `csp_fault`. */
-static void put_failure(const csp_program *program, bool failed)
+static void put_failure(csp_kernel *csp, bool failed)
 {
     char text[TEXT] = "";
-    const bool raised = failed && (csp.error.exception != (uint16_t)CSP_NO_EXCEPTION);
-    const bool noted = failed && !raised && csp_faulted();
-    put_text(raised ? csp_exception_name(program) : "");
+    const bool raised = failed && (csp->error.exception != (uint16_t)CSP_NO_EXCEPTION);
+    const bool noted = failed && !raised && csp_faulted(csp);
+    put_text(csp, raised ? csp_exception_name(csp) : "");
     if (raised) {
-        csp_describe_message(program, text, sizeof text);
+        csp_describe_message(csp, text, sizeof text);
     } else if (noted) {
-        csp_fault.describe(&csp_fault.operands, text, sizeof text);
+        csp->fault.describe(&csp->fault.operands, text, sizeof text);
     } else {
         /* There is nothing to report. */
     }
-    put_text(text);
+    put_text(csp, text);
     text[0] = '\0';
     if (raised) {
-        csp_describe_place(program, text, sizeof text);
+        csp_describe_place(csp, text, sizeof text);
     }
-    put_text(noted ? csp_fault.place : text);
+    put_text(csp, noted ? csp->fault.place : text);
 }
 
 #if CSP_MEASURE
@@ -468,11 +469,11 @@ void csp_measure_end(void)
     }
 }
 
-static void report_execution_times(void)
+static void report_execution_times(csp_kernel *csp)
 {
     for (uint32_t number = 1; number < measured_processes; number++) {
         if (measurements[number].steps > 0) {
-            row *const added = begin_record(EXECUTION_TIME, number);
+            row *const added = begin_record(csp, EXECUTION_TIME, number);
             added->time = measurements[number].longest;
             added->value = (uint64_t)measurements[number].steps;
             completes();
@@ -482,24 +483,24 @@ static void report_execution_times(void)
 
 #endif
 
-bool csp_stream_end(const csp_program *program, csp_ending ending, double duration)
+bool csp_stream_end(csp_kernel *csp, csp_ending ending, double duration)
 {
 #if CSP_MEASURE
-    report_execution_times();
+    report_execution_times(csp);
 #endif
     if (ending == CSP_DEADLOCK) {
-        csp_report_waiting(program, report_waiting_process);
+        csp_report_waiting(csp, report_waiting_process);
     }
-    for (uint32_t index = 0; index < program->port_count; index++) {
-        if (program->ports[index].kind == CSP_PORT_SAMPLED) {
-            const csp_medium *const medium = program->ports[index].medium;
-            begin_record(MISSED, medium->number)->writer = ((const csp_sampled_input *)(const void *)medium)->missed;
+    for (uint32_t index = 0; index < csp->program->port_count; index++) {
+        if (csp->program->ports[index].kind == CSP_PORT_SAMPLED) {
+            const csp_medium *const medium = csp_medium_of(csp, &csp->program->ports[index]);
+            begin_record(csp, MISSED, medium->number)->writer = ((const csp_sampled_input *)(const void *)medium)->missed;
             completes();
         }
     }
-    (void)memcpy(&begin_record(END_OF_RUN, (uint32_t)ending)->value, &duration, sizeof duration);
-    put_failure(program, ending == CSP_FAILED);
+    (void)memcpy(&begin_record(csp, END_OF_RUN, (uint32_t)ending)->value, &duration, sizeof duration);
+    put_failure(csp, ending == CSP_FAILED);
     completes();
-    flush();
+    flush(csp);
     return !lost;
 }

@@ -37,8 +37,8 @@ typedef enum csp_observed {
 } csp_observed;
 
 /* To be called before the run. */
-void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed);
+void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed observed);
 /* To be called after the run; false: not everything could be written. */
-bool csp_stream_end(const csp_program *program, csp_ending ending, double duration);
+bool csp_stream_end(csp_kernel *csp, csp_ending ending, double duration);
 
 #endif

@@ -1,9 +1,6 @@
 /* Timers: a pairing heap of nodes that are owned by their users. */
 #include "csp_internal.h"
 
-csp_timer *csp_earliest;
-static uint64_t begun;
-
 static bool comes_before(const csp_timer *one, const csp_timer *other)
 {
     return (one->instant < other->instant) || ((one->instant == other->instant) && (one->begun < other->begun));
@@ -58,26 +55,20 @@ static csp_timer *meld_siblings(csp_timer *first)
     return heap;
 }
 
-void csp_timers_reset(void)
+int64_t csp_after(csp_kernel *csp, int64_t duration)
 {
-    csp_earliest = NULL;
-    begun = 0U;
+    return (duration < (INT64_MAX - csp->now)) ? (csp->now + duration) : (INT64_MAX - 1);
 }
 
-int64_t csp_after(int64_t duration)
+static csp_timer *take_earliest(csp_kernel *csp)
 {
-    return (duration < (INT64_MAX - csp.now)) ? (csp.now + duration) : (INT64_MAX - 1);
-}
-
-static csp_timer *take_earliest(void)
-{
-    csp_timer *const timer = csp_earliest;
+    csp_timer *const timer = csp->earliest;
     timer->runs = false;
-    csp_earliest = meld_siblings(timer->child);
+    csp->earliest = meld_siblings(timer->child);
     return timer;
 }
 
-static void take_later(csp_timer *timer)
+static void take_later(csp_kernel *csp, csp_timer *timer)
 {
     timer->runs = false;
     csp_timer *const below = meld_siblings(timer->child);
@@ -90,64 +81,64 @@ static void take_later(csp_timer *timer)
         timer->sibling->previous = timer->previous;
     }
     if (below != NULL) {
-        csp_earliest = meld(csp_earliest, below);
+        csp->earliest = meld(csp->earliest, below);
     }
 }
 
-bool csp_timer_stop(csp_timer *timer)
+bool csp_timer_stop(csp_kernel *csp, csp_timer *timer)
 {
     if (!timer->runs) {
         return false;
     }
-    if (timer == csp_earliest) {
-        (void)take_earliest();
+    if (timer == csp->earliest) {
+        (void)take_earliest(csp);
     } else {
-        take_later(timer);
+        take_later(csp, timer);
     }
     return true;
 }
 
-void csp_timer_begin(csp_timer *timer, int64_t instant)
+void csp_timer_begin(csp_kernel *csp, csp_timer *timer, int64_t instant)
 {
     if (timer->runs) {
-        (void)csp_timer_stop(timer); /* a timer is in the heap at most once */
+        (void)csp_timer_stop(csp, timer); /* a timer is in the heap at most once */
     }
     timer->instant = instant;
-    timer->begun = begun;
-    begun++;
+    timer->begun = csp->timers_begun;
+    csp->timers_begun++;
     timer->child = NULL;
     timer->sibling = NULL;
     timer->previous = NULL;
     timer->runs = true;
-    csp_earliest = (csp_earliest == NULL) ? timer : meld(csp_earliest, timer);
+    csp->earliest = (csp->earliest == NULL) ? timer : meld(csp->earliest, timer);
 }
 
-void csp_timers_fall_due(int64_t instant)
+void csp_timers_fall_due(csp_kernel *csp, int64_t instant)
 {
-    while ((csp_earliest != NULL) && (csp_earliest->instant <= instant)) {
-        csp_timer *const timer = take_earliest();
+    while ((csp->earliest != NULL) && (csp->earliest->instant <= instant)) {
+        csp_timer *const timer = take_earliest(csp);
         if (timer->party != NULL) {
-            csp_ready(timer->party);
+            csp_ready(csp, timer->party);
         } else {
-            csp_raise_all(timer->guard);
+            csp_raise_all(csp, timer->guard);
         }
     }
 }
 
-csp_progress csp_wait(csp_party *party, csp_timer *timer, int64_t duration)
+csp_progress csp_wait(csp_kernel *csp, csp_party *party, csp_timer *timer, int64_t duration)
 {
     if (csp_is_cancelled(party)) {
-        return csp_refuse(party);
+        return csp_refuse(csp, party);
     }
     if (duration <= 0) {
         return CSP_DONE;
     }
     timer->party = party;
-    csp_timer_begin(timer, csp_after(duration));
+    csp_timer_begin(csp, timer, csp_after(csp, duration));
     return CSP_WAITS;
 }
 
-csp_progress csp_stop(csp_party *party)
+csp_progress csp_stop(csp_kernel *csp, csp_party *party)
 {
-    return csp_is_cancelled(party) ? csp_refuse(party) : CSP_WAITS;
+    return csp_is_cancelled(party) ? csp_refuse(csp, party) : CSP_WAITS;
 }

@@ -61,8 +61,8 @@ static void let_go(int number)
 {
     const int error = errno;
     (void)number;
-    if (CSP_LOAD(forced) && (pthread_equal(pthread_self(), owner) != 0) && csp_is_driving()) {
-        csp_release_outputs();
+    if (CSP_LOAD(forced) && (pthread_equal(pthread_self(), owner) != 0) && csp_is_driving(csp_owned())) {
+        csp_release_outputs(csp_owned());
         end_by_force();
     }
     errno = error;
@@ -70,7 +70,7 @@ static void let_go(int number)
 
 static void *release_instead(void *nothing)
 {
-    csp_release_outputs();
+    csp_release_outputs(csp_owned());
     end_by_force();
     return nothing;
 }
@@ -90,7 +90,7 @@ static void force(bool in_vain)
         (void)pthread_create(&helper, &attributes, release_instead, NULL);
         (void)pthread_attr_destroy(&attributes);
     } else {
-        csp_release_outputs();
+        csp_release_outputs(csp_owned());
     }
 }
 
@@ -100,7 +100,7 @@ static void report_what_hangs(void)
 {
     char text[TEXT] = "";
     char line[TEXT + 64] = "";
-    csp_describe_present(text, sizeof text);
+    csp_describe_present(csp_owned(), text, sizeof text);
     const int length =
         snprintf(line, sizeof line, "%s for %u s: the outputs are released\n", text, (unsigned)CSP_PATIENCE);
     const ssize_t written = write(STDERR_FILENO, line, (size_t)length);
@@ -110,7 +110,7 @@ static void report_what_hangs(void)
 /* A processor may store the two halves separately. Then they may belong to two instants, but are not the same wrong value twice. */
 static int64_t instant_now(void)
 {
-    const volatile int64_t *const now = &csp.now;
+    const volatile int64_t *const now = &csp_owned()->now;
     int64_t before = 0;
     int64_t found = *now;
     do {
@@ -127,12 +127,12 @@ static void report_check(int64_t *reported)
     const int descriptor = CSP_LOAD(listener);
     char text[TEXT] = "";
     char line[TEXT + 64] = "";
-    if ((descriptor < 0) || !csp_is_driving()) {
+    if ((descriptor < 0) || !csp_is_driving(csp_owned())) {
         return;
     }
     const int64_t now = instant_now();
     if (now == *reported) {
-        csp_describe_at_work(text, sizeof text);
+        csp_describe_at_work(csp_owned(), text, sizeof text);
     }
     *reported = now;
     const int length = snprintf(line, sizeof line, "%" PRId64 " %s\n", now, text);
@@ -178,13 +178,13 @@ static void *watch(void *nothing)
             csp_signals_ask_to_stop(SIGTERM);
         }
         const bool must_end = (csp_signals_first() != 0U) || csp_signals_leaving() || CSP_LOAD(hangs);
-        const uint32_t iterations_now = csp_iterations();
-        const uint32_t released_now = csp_calls_now().released;
+        const uint32_t iterations_now = csp_iterations(csp_owned());
+        const uint32_t released_now = csp_calls_now(csp_owned()).released;
         const bool progresses = (released_now != released) || (!must_end && (iterations_now != iterations));
         in_vain = in_vain && (released_now == released);
         iterations = iterations_now;
         released = released_now;
-        checks = (progresses || !csp_is_driving() || !(must_end || CSP_LOAD(patient))) ? 0U : (checks + 1U);
+        checks = (progresses || !csp_is_driving(csp_owned()) || !(must_end || CSP_LOAD(patient))) ? 0U : (checks + 1U);
         if (checks >= ((must_end ? CSP_GRACE : CSP_PATIENCE) * (uint32_t)CSP_CHECKS)) {
             if (!must_end) {
                 report_what_hangs();

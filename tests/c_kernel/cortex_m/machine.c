@@ -22,6 +22,7 @@
 enum { WARNS_AND_RESETS = 3 }; /* an NMI, and when the time has passed again a reset */
 enum { OF_TIMER = 8, TIMER_RUNS = 9, CYCLES = 25000 * 21, SERIAL_SENDS = 1, SERIAL_INTERRUPTS = 4, OF_SERIAL = 1, NOWHERE = 0x60000000 };
 
+static struct network network;
 static int polled;
 static int sampled;
 static int turns;
@@ -81,7 +82,7 @@ static void on_timer(void)
     } else {
         /* It is the button. */
     }
-    network_bring_button(true);
+    network_bring_button(&network, true);
 }
 
 extern void (*const interrupts[])(void);
@@ -194,15 +195,15 @@ static void run(void)
     char text[100] = "";
     polled = 0;
     sampled = 0;
-    network_initialize(&drivers);
+    network_initialize(&network, &drivers, csp_port_hooks());
     TIMER_RELOAD = (uint32_t)CYCLES;
     TIMER_VALUE = (uint32_t)CYCLES;
     TIMER_CONTROL = TIMER_RUNS;
-    const csp_ending ending = csp_run(&network_program, INT64_C(1000000000));
+    const csp_ending ending = csp_run(&network.kernel, INT64_C(1000000000));
     say("sampled ", sampled);
     say("ending ", (int)ending);
     if (ending == CSP_FAILED) {
-        csp_describe_error(&network_program, text, sizeof text);
+        csp_describe_error(&network.kernel, text, sizeof text);
         write_text(text);
         write_text("\n");
     }

@@ -52,44 +52,51 @@ static void write_record(const char *word, uint64_t time, const char *name, uint
     WRITE(text);
 }
 
-void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
+void csp_observe(csp_kernel *csp, uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
     uint64_t bits = 0U;
     (void)writer;
     (void)reader;
     (void)memcpy(&bits, value, network_channel_sizes[channel]);
-    write_record("", (uint64_t)csp.now, network_channel_names[channel], bits);
+    write_record("", (uint64_t)csp->now, network_channel_names[channel], bits);
 }
 
-void csp_observe_sample(uint32_t port, const void *value)
+void csp_observe_sample(csp_kernel *csp, uint32_t port, const void *value)
 {
+    (void)csp;
     (void)port;
     (void)value;
 }
 
-void csp_observe_release(uint32_t port, const void *value)
+void csp_observe_release(csp_kernel *csp, uint32_t port, const void *value)
 {
     uint64_t bits = 0U;
     (void)memcpy(&bits, value, network_channel_sizes[port]);
-    write_record("release ", (uint64_t)csp.now, network_channel_names[port], bits);
+    write_record("release ", (uint64_t)csp->now, network_channel_names[port], bits);
 }
 
-void csp_observe_begin(uint32_t number)
+void csp_observe_begin(csp_kernel *csp, uint32_t number)
 {
+    (void)csp;
     (void)number;
 }
 
-void csp_observe_end(uint32_t number)
+void csp_observe_end(csp_kernel *csp, uint32_t number)
 {
+    (void)csp;
     (void)number;
 }
+
+static struct network network;
 
 int main(void)
 {
+    csp_kernel *const csp = &network.kernel;
     csp_program program = network_program;
     program.environment = &ENVIRONMENT;
-    network_initialize(&DRIVERS);
-    const csp_ending ending = csp_run(&program, DURATION);
-    write_record("ended ", (uint64_t)csp.now, "", (uint64_t)ending);
+    network_initialize(&network, &DRIVERS, csp_port_hooks());
+    csp->program = &program;
+    const csp_ending ending = csp_run(csp, DURATION);
+    write_record("ended ", (uint64_t)csp->now, "", (uint64_t)ending);
     return 0;
 }

@@ -18,6 +18,7 @@
 enum { NUMBER = 24 };
 
 static const char *trouble;
+static struct network network;
 static int polled;
 static volatile int sampled;
 static volatile int turns;
@@ -116,13 +117,13 @@ static void have_children(void)
 static void press(int number)
 {
     (void)number;
-    network_bring_button(true);
+    network_bring_button(&network, true);
 }
 
 static void *press_later(void *nothing)
 {
     pass(20);
-    network_bring_button(true);
+    network_bring_button(&network, true);
     return nothing;
 }
 
@@ -233,12 +234,17 @@ static csp_ending run(bool built)
     polled = 0;
     CSP_STORE(sampled, 0);
     if (built) {
-        network_initialize(&drivers);
+        network_initialize(&network, &drivers, csp_port_hooks());
         if (!is("slow")) { /* the machine that runs the test may be late */
-            ((csp_sampled_input *)(void *)network_program.ports[1].medium)->counts = true;
+            network.external.level.counts = true;
+        }
+        if (is("pressed by a thread")) { /* events come only after the network is built */
+            pthread_t thread;
+            (void)pthread_create(&thread, NULL, press_later, NULL);
+            (void)pthread_detach(thread);
         }
     }
-    const csp_ending ending = csp_run(&network_program, has("polled") ? -1 : INT64_C(60000000000));
+    const csp_ending ending = csp_run(&network.kernel, has("polled") ? -1 : INT64_C(60000000000));
     say("sampled", sampled);
     say("polled", polled);
     say("ending", (long)ending);
@@ -267,10 +273,7 @@ int main(int count, char **arguments)
         look_at_critical_sections();
         return 0;
     }
-    if (is("pressed by a thread")) {
-        (void)pthread_create(&thread, NULL, press_later, NULL);
-        (void)pthread_detach(thread);
-    } else if (has("another thread")) {
+    if (has("another thread")) {
         (void)pthread_create(&thread, NULL, make_trouble, NULL);
         (void)pthread_detach(thread);
     } else {
@@ -290,7 +293,7 @@ int main(int count, char **arguments)
         ending = run(arguments[2][0] == 'b');
     }
     if (ending == CSP_FAILED) {
-        csp_describe_error(&network_program, text, sizeof text);
+        csp_describe_error(&network.kernel, text, sizeof text);
         (void)strcat(text, "\n");
         (void)!write(STDOUT_FILENO, text, strlen(text));
     }

@@ -22,6 +22,7 @@ static void write_drive(void *device, const void *value)
 int main(void)
 {
     static const struct network_drivers drivers = {.level = {.read = read_level}, .drive = {.write = write_drive}};
-    network_initialize(&drivers);
-    return csp_exit_status(csp_run(&network_program, -1));
+    static struct network network;
+    network_initialize(&network, &drivers, csp_port_hooks());
+    return csp_exit_status(csp_run(&network.kernel, -1));
 }

@@ -15,7 +15,7 @@ static const csp_branches branches[] = {{sizeof(script), sizeof(script), GUARDS 
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 1U}};
 
 /* What script_step_function would do for a list with GUARDS continuations: chooses until all enabled guards have been chosen. */
-static csp_party *chooser_step(csp_party *party)
+static csp_party *chooser_step(csp_kernel *csp, csp_party *party)
 {
     script *const self = (script *)(void *)party;
     csp_progress progress = CSP_DONE;
@@ -28,17 +28,17 @@ static csp_party *chooser_step(csp_party *party)
             }
         }
         for (self->repeated = 0; self->repeated < 7; self->repeated++) {
-            CSP_AWAIT(csp_select(party, &choice), csp_select_again(party, &choice), 1, failed)
+            CSP_AWAIT(csp_select(csp, party, &choice), csp_select_again(csp, party, &choice), 1, failed)
         }
         csp_enable_all(&choice);
         for (self->repeated = 0; self->repeated < 7; self->repeated++) {
-            CSP_AWAIT(csp_select_inputs(party, &choice, GUARDS), csp_select_again(party, &choice), 2, failed)
+            CSP_AWAIT(csp_select_inputs(csp, party, &choice, GUARDS), csp_select_again(csp, party, &choice), 2, failed)
         }
-        return csp_end(party);
+        return csp_end(csp, party);
     case 3:
     failed:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

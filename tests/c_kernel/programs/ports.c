@@ -40,8 +40,9 @@ static void put(void *device, const void *value)
     (void)value;
 }
 
-static bool advance(int64_t now)
+static bool advance(csp_kernel *csp, int64_t now)
 {
+    (void)csp;
     plant = now / MS;
     pressed = (now == 5 * MS) || (now == 6 * MS) || (now == 9 * MS);
     return true;
@@ -77,11 +78,11 @@ static script_list listener = {
 int main(void)
 {
     static csp_environment environment = {MS, NULL, advance};
-    static const csp_port ports[] = {
-        {CSP_PORT_SAMPLED, &fast.medium, NULL, NULL},
-        {CSP_PORT_SAMPLED, &slow.medium, NULL, NULL},
-        {CSP_PORT_EVENT, &button.medium, NULL, NULL},
-        {CSP_PORT_LATCHED, &drive.medium, &safe, NULL},
+    static const script_port ports[] = {
+        {CSP_PORT_SAMPLED, &fast.medium, NULL},
+        {CSP_PORT_SAMPLED, &slow.medium, NULL},
+        {CSP_PORT_EVENT, &button.medium, NULL},
+        {CSP_PORT_LATCHED, &drive.medium, &safe},
     };
     const csp_driver in = {NULL, sample, NULL};
     const csp_driver events = {NULL, press, NULL};

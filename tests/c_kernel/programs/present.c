@@ -3,8 +3,9 @@
 
 #include "csp_internal.h"
 
-static csp_party *never(csp_party *party)
+static csp_party *never(csp_kernel *csp, csp_party *party)
 {
+    (void)csp;
     (void)party;
     return NULL;
 }
@@ -14,38 +15,43 @@ static const csp_place places[] = {
     {.waiting = CSP_AT_INPUTS, .where = "present.csp:7"},
 };
 static const csp_class kind = {.step = never, .places = places, .name = "Law", .where = "present.csp:1"};
-static csp_process process;
+static struct memory {
+    csp_kernel kernel;
+    csp_process process;
+} memory;
 static csp_offers offers;
 static csp_offer offer[2];
-static const csp_program program = {.process = &process};
+static const csp_program program = {.process = offsetof(struct memory, process)};
 
-static void show(csp_party *party)
+static void show(csp_kernel *csp, csp_party *party)
 {
     char text[80] = "";
-    csp.current = party;
-    csp_describe_at_work(text, sizeof text);
+    csp->current = party;
+    csp_describe_at_work(csp, text, sizeof text);
     (void)printf("at work: %s\n", text);
-    csp_describe_present(text, sizeof text);
+    csp_describe_present(csp, text, sizeof text);
     (void)printf("%s\n", text);
 }
 
 int main(void)
 {
-    csp_begin_building();
-    csp_process_init(&process, &kind, 1U);
+    csp_kernel *const csp = &memory.kernel;
+    csp_process *const process = &memory.process;
+    csp_build(csp, &program, NULL);
+    csp_process_init(process, &kind, 1U);
     csp_offers_init(&offers, offer, 2U);
-    process.party.flags = 0U;
-    (void)csp_offers_begin(&process.party, &offers);
-    show(&process.party);
-    csp_begin_driving(&program);
-    show(NULL);
-    show(&process.party);
-    process.party.state = 1U;
-    show(&process.party);
-    show(&offer[1].party);
-    csp_observe_loop("present.csp:9");
-    show(&process.party);
-    (void)csp_raise(&process.party, (uint16_t)CSP_FAULT_EXCEPTION, NULL);
-    show(&process.party);
+    process->party.flags = 0U;
+    (void)csp_offers_begin(csp, &process->party, &offers);
+    show(csp, &process->party);
+    csp_begin_driving(csp);
+    show(csp, NULL);
+    show(csp, &process->party);
+    process->party.state = 1U;
+    show(csp, &process->party);
+    show(csp, &offer[1].party);
+    csp_observe_loop(csp, "present.csp:9");
+    show(csp, &process->party);
+    (void)csp_raise(csp, &process->party, (uint16_t)CSP_FAULT_EXCEPTION, NULL);
+    show(csp, &process->party);
     return 0;
 }

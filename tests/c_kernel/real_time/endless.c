@@ -19,7 +19,7 @@ static void press(int number)
     static int64_t pressed;
     (void)number;
     pressed++;
-    csp_event_bring(&button, &pressed);
+    csp_event_bring(&script_kernel, &button, &pressed);
 }
 
 static void put(void *device, const void *value)
@@ -42,9 +42,9 @@ static script_list listener = {
 
 int main(void)
 {
-    static const csp_port ports[] = {
-        {CSP_PORT_LATCHED, &drive.medium, &safe, NULL},
-        {CSP_PORT_EVENT, &button.medium, NULL, NULL},
+    static const script_port ports[] = {
+        {CSP_PORT_LATCHED, &drive.medium, &safe},
+        {CSP_PORT_EVENT, &button.medium, NULL},
     };
     const csp_driver out = {NULL, NULL, put};
     const csp_driver none = {NULL, NULL, NULL};

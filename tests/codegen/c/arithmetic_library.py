@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cspdiag.base.files.resources import template_folder
+from cspdiag.codegen.c.text.code import call
 
 SUPPORT = template_folder("c") / "support"
 
@@ -25,17 +26,22 @@ def compilers() -> list[str]:
     return [name for name in ("gcc", "clang") if shutil.which(name)]
 
 
+def _call(name: str, *operands: str) -> str:
+    """A call as in generated code, with the state of the run if the function can note a fault."""
+    return str(call(f"csp_{name}", *operands))
+
+
 def _source() -> str:
-    rows = ['#include "csp_arithmetic.h"']
-    rows += [f"int64_t t_{name}(int64_t a, int64_t b) {{ return csp_{name}(a, b); }}" for name in _WHOLE]
-    rows += [f"int64_t t_{name}(int64_t a) {{ return csp_{name}(a); }}" for name in _OF_ONE]
-    rows += [f"int64_t t_{name}(int64_t a) {{ return (int64_t)csp_{name}(a); }}" for name in _NARROW]
+    rows = ['#include "csp_arithmetic.h"', "static csp_kernel kernel;", "static csp_kernel *const csp = &kernel;"]
+    rows += [f"int64_t t_{name}(int64_t a, int64_t b) {{ return {_call(name, 'a', 'b')}; }}" for name in _WHOLE]
+    rows += [f"int64_t t_{name}(int64_t a) {{ return {_call(name, 'a')}; }}" for name in _OF_ONE]
+    rows += [f"int64_t t_{name}(int64_t a) {{ return (int64_t){_call(name, 'a')}; }}" for name in _NARROW]
     rows += [
-        f"int64_t t_{name}_of_real(double x) {{ return (int64_t)csp_{name}_of_real(x); }}"
+        f"int64_t t_{name}_of_real(double x) {{ return (int64_t){_call(name + '_of_real', 'x')}; }}"
         for name in (*_NARROW, "int64")
     ]
-    rows += [f"double t_{name}(double x, double y) {{ return csp_{name}(x, y); }}" for name in _REAL]
-    rows += [f"double t_{name}(double x) {{ return csp_{name}(x); }}" for name in _REAL_OF_ONE]
+    rows += [f"double t_{name}(double x, double y) {{ return {_call(name, 'x', 'y')}; }}" for name in _REAL]
+    rows += [f"double t_{name}(double x) {{ return {_call(name, 'x')}; }}" for name in _REAL_OF_ONE]
     rows += [
         "double t_limit(double x, double low, double high) { return csp_limit(x, low, high); }",
         "double t_floor(double x) { return floor(x); }",
@@ -44,12 +50,12 @@ def _source() -> str:
         "double t_sqrt(double x) { return sqrt(x); }",
         "double t_fmod(double x, double y) { return fmod(x, y); }",
         "double t_seconds(int64_t a) { return csp_seconds(a); }",
-        "int64_t t_index(int64_t a, int64_t size) { return (int64_t)csp_index(a, size); }",
-        'void t_finite(double x) { csp_finite(x, "port"); }',
+        "int64_t t_index(int64_t a, int64_t size) { return (int64_t)csp_index(csp, a, size); }",
+        'void t_finite(double x) { csp_finite(csp, x, "port"); }',
         "void t_fault(char *text, size_t size) {",
         "    text[0] = '\\0';",
-        "    if (csp_faulted()) { csp_fault.describe(&csp_fault.operands, text, size); }",
-        "    csp_fault.describe = NULL; csp_fault.place = NULL;",
+        "    if (csp_faulted(csp)) { kernel.fault.describe(&kernel.fault.operands, text, size); }",
+        "    kernel.fault.describe = NULL; kernel.fault.place = NULL;",
         "}",
     ]
     return "\n".join([*rows, ""])

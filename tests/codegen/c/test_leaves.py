@@ -50,14 +50,14 @@ SOURCE = """\
 
 enum { READS_INPUT = 1, READS_OFFSET, WRITES_OUTPUT, FAILS };
 
-static csp_party *scale_step(csp_party *party)
+static csp_party *scale_step(csp_kernel *csp, csp_party *party)
 {
     struct scale *const self = (struct scale *)(void *)party;
     csp_progress progress;
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         for (;;) {
             CSP_READ(self->input, self->value, READS_INPUT, fails)
             CSP_READ(self->offset, self->other, READS_OFFSET, fails)
@@ -66,10 +66,10 @@ static csp_party *scale_step(csp_party *party)
         }
     case FAILS:
     fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->ends);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

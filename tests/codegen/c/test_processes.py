@@ -86,7 +86,7 @@ def test_only_channels_that_are_shared_or_guarded_by_their_writer_keep_queues(le
     package = pipeline.generate(network_of(path), read_source, "c", level)
     program, reader = package["guarded.c"], package["collects.c"]
     assert [program.count(f"csp_{kind}_init(") for kind in ("guarded", "any")] == [3, 1]
-    assert "csp_select_inputs(party, &self->choice.alternative, 3U)" in reader
+    assert "csp_select_inputs(csp, party, &self->choice.alternative, 3U)" in reader
     offers = "(output ! true -> skip [] after 9 ms -> skip) ;"
     writing = path.read_text(encoding="utf-8").replace("output ! true ;", offers)
     both = text_of(writing, level)["guarded.c"]
@@ -120,7 +120,7 @@ process Main {
 def test_branches_of_a_parallel_share_a_step_function_however_many_they_are(size: int) -> None:
     program = (ROOT / "benchmarks" / "networks" / "workers.csp").read_text(encoding="utf-8")
     pool = text_of(program.replace("const size = 10", f"const size = {size}"))["pool.c"]
-    assert pool.count("_step(csp_party *party)") == 2  # the process and its branches
+    assert pool.count("_step(csp_kernel *csp, csp_party *party)") == 2  # the process and its branches
     assert f"i < {size}U" in pool
     assert pool.count("\n") < 170
 
@@ -138,7 +138,7 @@ def test_branches_of_a_parallel_share_a_step_function_however_many_they_are(size
 )
 def test_branches_share_a_step_function_where_they_differ_in_even_steps(branch: str, functions: int) -> None:
     texts = text_of(POOL.replace("BODY", f"par i < 5 : ({branch})"))
-    assert texts["asker.c"].count("_step(csp_party *party)") == 1 + functions
+    assert texts["asker.c"].count("_step(csp_kernel *csp, csp_party *party)") == 1 + functions
 
 
 @pytest.mark.parametrize("level", [0, 1])
@@ -152,7 +152,7 @@ def test_branches_that_differ_in_their_number_share_code(level: int) -> None:
 def test_numbers_of_branches_are_computed_with() -> None:
     network = network_of(PROGRAMS / "branches_of_one_body.csp")
     server = pipeline.generate(network, read_source, "c", 0)["server.c"]
-    assert server.count("csp_add(self->question % 1000, self->number_of_choice)") == 1
+    assert server.count("csp_add(csp, self->question % 1000, self->number_of_choice)") == 1
 
 
 def test_branches_in_sequence_share_code_beside_others() -> None:
@@ -181,8 +181,8 @@ def test_no_function_that_initializes_a_process_is_long(level: int) -> None:
 def test_a_long_law_is_one_function_wherever_it_runs() -> None:
     network = network_of(PROGRAMS / "faults_within_long_laws.csp")
     main = pipeline.generate(network, read_source, "c", 1)["main_.c"]
-    assert main.count("static bool main__law_calculate(struct main_ *self)") == 1
-    assert main.count("(void)main__law_calculate(self);") == 3
+    assert main.count("static bool main__law_calculate(csp_kernel *csp, struct main_ *self)") == 1
+    assert main.count("(void)main__law_calculate(csp, self);") == 3
     assert "    const int8_t error = " in main  # its variables have the names in the text
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, check_finite_together
 from cspdiag.codegen.c.text.code import (
+    CSP,
     PRODUCT,
     SUM,
     Assignment,
@@ -19,6 +20,7 @@ from cspdiag.codegen.c.text.code import (
     infix,
 )
 from cspdiag.codegen.c.text.expressions import Printer
+from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.statements import (
     Blank,
     Block,
@@ -29,6 +31,7 @@ from cspdiag.codegen.c.text.statements import (
     define,
     return_value,
     store,
+    with_kernel,
 )
 from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type, is_single
@@ -101,7 +104,8 @@ class Integration:
         if self.has_several_states:
             members = tuple(define("double", self.local(state)) for state in self.states)
             statements += [Block(members, f"struct {self.name}", "};"), Blank()]
-        parameters = [f"const struct {self.owner} *self"] if self._needs_owner else []
+        parameters = [KERNEL] if self.can_fault else []
+        parameters += [f"const struct {self.owner} *self"] if self._needs_owner else []
         given = [*self._states_read, *self._held_read]
         parameters += [f"{printer.types.type_name(self.types[name])} {self.local(name)}" for name in given]
         parameters += ["double time"] if self.depends_on_time else []
@@ -125,7 +129,14 @@ class Integration:
             for state in self.states:
                 body += writer.assign(code("slopes").field(self.local(state)), by_state[state], None, place(state))
             body.append(return_value("slopes"))
-        return [*statements, Function(f"static inline {result} {self.name}", tuple(parameters), tuple(body))]
+        return [
+            *statements,
+            Function(
+                f"static inline {result} {self.name}",
+                tuple(parameters),
+                with_kernel(body) if self.can_fault else tuple(body),
+            ),
+        ]
 
     @cached_property
     def _needs_owner(self) -> bool:
@@ -143,7 +154,8 @@ class Integration:
 
         ``outer`` gives the lvalues of the held signals in the function that contains the statements.
         """
-        shared: list[Code] = [Atom("self")] if self._needs_owner else []
+        shared: list[Code] = [CSP] if self.can_fault else []
+        shared += [Atom("self")] if self._needs_owner else []
         held = [outer(name) for name in self._held_read]
         statements: list[Statement] = []
         if self.method != "euler":

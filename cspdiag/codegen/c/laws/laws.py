@@ -10,9 +10,10 @@ from functools import cached_property
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, record_fault_place
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
-from cspdiag.codegen.c.text.code import PRODUCT, Code, address, call, cast, code, ignored, infix, own
+from cspdiag.codegen.c.text.code import CSP, PRODUCT, Code, address, call, cast, code, ignored, infix, own
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
+from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames, snake_case
 from cspdiag.codegen.c.text.statements import (
@@ -59,6 +60,25 @@ def law_may_fault(class_: SubmodelClass) -> bool:
     items = [part for equation in class_.equations for part in values(equation)]
     items += [value for _, value in class_.next_values]
     return bool(class_.derivatives) or any(map(may_fault, items))
+
+
+def law_verbs(class_: SubmodelClass) -> frozenset[str]:
+    """Which functions of a law can note a fault, and so are passed the state of the run: ``initialize``, ``reset``,
+    ``calculate``. Those that are written by hand note none.
+    """
+    if class_.external is not None:
+        return frozenset()
+    calls = [equation for equation in class_.equations if isinstance(equation, ExternalCall)]
+    first = [item.value for item in constants_needed(class_)]
+    first += [value for item in calls for _, value in item.arguments]
+    verbs = {"calculate"} if law_may_fault(class_) else set()
+    verbs |= {"reset", "initialize"} if any(may_fault(state.initial) for state in class_.states) else set()
+    return frozenset(verbs | ({"initialize"} if any(map(may_fault, first)) else set()))
+
+
+def kernel_of(verbs: frozenset[str], verb: str) -> tuple[Code, ...]:
+    """The first argument of a call of such a function."""
+    return (CSP,) if verb in verbs else ()
 
 
 def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
@@ -130,7 +150,9 @@ class LawFiles:
     def _header(self) -> str:
         class_, guard = self.class_, f"{self.name.upper()}_H"
         about = [*wrapped(class_.doc or f"The submodel {class_.definition}."), "", f"Source: {self._place(class_)}"]
-        rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", "", '#include "types.h"']
+        rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", ""]
+        rows += ['#include "csp_core.h"'] if law_verbs(class_) else []
+        rows += ['#include "types.h"']
         rows += sorted({f'#include "{body_name(item)}.h"' for item in self._calls})
         rows += ["", *lines([Block(tuple(self._fields()), f"struct {self.name}", "};")]), ""]
         rows += self._prototypes()
@@ -173,7 +195,7 @@ class LawFiles:
 
     def _parameters(self) -> list[str]:
         parameters = [f"{self.types.type_name(item.type)} {self.members[item.name]}" for item in self.class_.parameters]
-        return [f"struct {self.name} *self", *parameters]
+        return [*self._given("initialize"), *parameters]
 
     def _prototypes(self) -> list[str]:
         durations = any(isinstance(item.type, TimeType) for item in self.class_.parameters)
@@ -181,10 +203,10 @@ class LawFiles:
             f"/* Before the first run{'; durations are in nanoseconds' if durations else ''}. */",
             *signature(f"void {self.name}_initialize", self._parameters(), ";"),
             "/* Puts the states back to their initial values. */",
-            f"void {self.name}_reset(struct {self.name} *self);",
+            f"void {self.name}_reset({', '.join(self._given('reset'))});",
             "/* One run, from inputs to outputs and next states"
-            + ("; false after a fault (csp_fault). */" if self.can_fault else ". */"),
-            f"{'bool' if self.can_fault else 'void'} {self.name}_calculate(struct {self.name} *self);",
+            + ("; false after a fault. */" if self.can_fault else ". */"),
+            f"{'bool' if self.can_fault else 'void'} {self.name}_calculate({', '.join(self._given('calculate'))});",
         ]
 
     # ---- The source
@@ -256,7 +278,7 @@ class LawFiles:
             statements += setup
             body = address(own(self.members[called.name]))
             statements.append(run(call(f"{body_name(called)}_initialize", body, *arguments)))
-        statements.append(run(f"{self.name}_reset(self)"))
+        statements.append(run(call(f"{self.name}_reset", *kernel_of(law_verbs(class_), "reset"), "self")))
         return [Function(f"void {self.name}_initialize", tuple(self._parameters()), tuple(statements))]
 
     def _is_passed_on(self, name: str) -> bool:
@@ -274,7 +296,12 @@ class LawFiles:
         return [self._function("void", "reset", statements or [run("(void)self")])]
 
     def _function(self, return_type: str, verb: str, body: list[Statement]) -> Function:
-        return Function(f"{return_type} {self.name}_{verb}", (f"struct {self.name} *self",), tuple(body))
+        return Function(f"{return_type} {self.name}_{verb}", tuple(self._given(verb)), tuple(body))
+
+    def _given(self, verb: str) -> list[str]:
+        """The first parameters of a function."""
+        kernel = [KERNEL] if verb in law_verbs(self.class_) else []
+        return [*kernel, f"struct {self.name} *self"]
 
     @cached_property
     def _continuous(self) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.laws.linear import LinearStep, linear_steps
 from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.text.code import (
+    CSP,
     EQUALITY,
     PRODUCT,
     SUM,
@@ -33,6 +34,7 @@ from cspdiag.codegen.c.text.code import (
 )
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
+from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames
 from cspdiag.codegen.c.text.statements import (
@@ -48,6 +50,7 @@ from cspdiag.codegen.c.text.statements import (
     return_value,
     run,
     store,
+    with_kernel,
 )
 from cspdiag.codegen.c.text.types import CTypes, duration
 from cspdiag.codegen.shared.equations import (
@@ -242,20 +245,20 @@ class EnvironmentFiles:
             for step in self._linear:
                 statements += step.start(printer)
         if self._results:
-            statements.append(run(ignored(code(f"{self.name}_evaluate()"))))
+            statements.append(run(ignored(call(f"{self.name}_evaluate", CSP))))
         for port in self.network.external_ports:
             if port.medium == "event":
                 member = _plant(self._members[port.key])
                 statements.append(store(member.at(1), member.at(0)))
-        statements.append(return_value(negated(code("csp_faulted()"))))
-        return Function(f"static bool {self.name}_start", (), tuple(statements))
+        statements.append(return_value(negated(call("csp_faulted"))))
+        return Function(f"static bool {self.name}_start", (KERNEL,), tuple(statements))
 
     def _advance(self) -> Function:
         system = self._system
         statements = self._state_updates(system) if system is not None and system.states else []
         statements.append(store(_plant("now"), "now"))
-        statements.append(return_value(f"{self.name}_evaluate()" if self._results else "true"))
-        return Function(f"static bool {self.name}_advance", ("int64_t now",), tuple(statements))
+        statements.append(return_value(call(f"{self.name}_evaluate", CSP) if self._results else "true"))
+        return Function(f"static bool {self.name}_advance", (KERNEL, "int64_t now"), with_kernel(statements))
 
     def _state_updates(self, system: SubmodelClass) -> list[Statement]:
         """The statements that advance the states to ``now``, with the present values of the inputs."""
@@ -344,7 +347,7 @@ class EnvironmentFiles:
         if uses_time((tuple(part for equation in equations for part in values(equation)),)):
             statements.append(define("const double", "time", call("csp_seconds", _plant("now"))))
         statements += [*writer.equations(equations, target), return_value("true")]
-        return Function(f"static bool {self.name}_evaluate", (), tuple(statements))
+        return Function(f"static bool {self.name}_evaluate", (KERNEL,), with_kernel(statements))
 
     # ---- The simulated devices behind the ports of the program
 

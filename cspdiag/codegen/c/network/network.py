@@ -13,7 +13,7 @@ from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.processes import NetworkFacts, ProcessFiles, process_files
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout
 from cspdiag.codegen.c.process.struct.unwritten import Unwritten
-from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, code, ignored, unsigned
+from cspdiag.codegen.c.text.code import CSP, Aggregate, Code, address, call, code, ignored, own, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames
@@ -34,6 +34,8 @@ from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
 from cspdiag.network.ir.zero import zero
 
+_BUILDING = ("struct network *self", "const struct network_drivers *drivers", "const csp_hooks *hooks")
+"""The parameters of the function that builds the network."""
 _STRUCTS = {
     "sampled": "csp_sampled_input",
     "event": "csp_event_input",
@@ -61,7 +63,8 @@ def network_files(network: Network, names: PackageNames, types: CTypes) -> dict[
         else:
             described[class_.name] = process_files(class_, network, names, types, facts)
             files |= described[class_.name].files
-    writer = _NetworkFiles(network, names, types, facts.levels)
+    variables = any(item.variables for item in described.values())
+    writer = _NetworkFiles(network, names, types, facts.levels, variables)
     files |= {"network.h": writer.header(), "network.c": writer.source(), "csp_config.h": writer.configuration()}
     return files | {"network_names.c": names_file(network, types, described)}
 
@@ -72,6 +75,8 @@ class _NetworkFiles:
     names: PackageNames
     types: CTypes
     levels: Levels
+    variables: bool
+    """Whether there are variables that may be read before they were written."""
 
     @property
     def top(self) -> ProcessClass:
@@ -100,15 +105,21 @@ class _NetworkFiles:
     def header(self) -> str:
         """What a `main` that runs the program needs."""
         about = [f"The network of {self.network.top}: its processes, its channels, and what is behind its ports."]
+        struct = self.names.classes[self.network.top]
         rows = [*comment(about), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
-        rows += ['#include "types.h"', ""] if self._events else [""]
+        rows += [f'#include "{struct}.h"', '#include "types.h"', ""]
+        rows += ["/* All memory of the program. */"]
+        rows += [*lines([Block(tuple(self._memory(struct)), "struct network", "};")]), ""]
         rows += ["/* A device or a simulated one for every port. */"]
         members = [*_driver_members(self.network, self.types)] or [define("char", "unused")]
         rows += [*lines([Block(tuple(members), "struct network_drivers", "};")]), ""]
-        rows += ["/* Builds the network, before each run. */"]
-        rows += ["void network_initialize(const struct network_drivers *drivers);", ""]
+        rows += ["/* Builds the network, before each run; csp_build says what the hooks are. */"]
+        rows += [*signature("void network_initialize", _BUILDING, ";"), ""]
         rows += self._bring_declarations()
         rows += ["extern const csp_program network_program;", ""]
+        if self.variables:
+            about_names = "/* By number: variables that may be read before they were written. */"
+            rows += [about_names, "extern const char *const network_variable_names[];", ""]
         rows += [
             "#if CSP_TRACE",
             "/* By number: channels and ports, and the sizes of their values; processes and groups. */",
@@ -121,12 +132,11 @@ class _NetworkFiles:
         ]
         return "\n".join([*rows, "#endif", "", "#endif", ""])
 
-    def source(self) -> str:
-        """The memory of the whole program, and the function that connects its parts."""
-        struct = self.names.classes[self.network.top]
+    def _memory(self, struct: str) -> Iterator[Statement]:
+        """The members of the structure with all state of a program: first the kernel, to which offsets refer."""
         members = self._members()
-        rows = ['#include "network.h"', "", '#include "constants.h"', f'#include "{struct}.h"', ""]
-        rows += ["/* All memory of the program. */", f"static struct {struct} {struct};"]
+        yield define("csp_kernel", "kernel")
+        yield define(f"struct {struct}", "top", remark="the outermost process, with all others inside")
         ports = [(port, members[port.key]) for port in self.network.external_ports]
         fields = [define(_STRUCTS[port.medium], name) for port, name in ports]
         values = [define(self.types.type_name(port.type), name) for port, name in ports if port.medium != "direct"]
@@ -136,13 +146,19 @@ class _NetworkFiles:
             (values, "present;"),
             (brought, "brought; /* by interrupt handlers */"),
         ):
-            rows += lines([Block(tuple(body), "static struct", f"}} {tail}")]) if body else []
-        rows += ["", *self._safe_values(members), *self._table(members)]
-        building = Function(
-            "void network_initialize", ("const struct network_drivers *drivers",), tuple(self._initialization(members))
-        )
-        rows += [*lines([building]), ""]
-        rows += [*self._bring_functions(members), *self._reports(), *self._program(struct)]
+            if body:
+                yield Block(tuple(body), "struct", f"}} {tail}")
+
+    def source(self) -> str:
+        """The function that connects the parts of the program."""
+        members = self._members()
+        rows = ['#include "network.h"', "", '#include "constants.h"', ""]
+        rows += [*self._safe_values(members), *self._table(members)]
+        program = self._program()
+        building = Function("void network_initialize", _BUILDING, tuple(self._initialization(members)))
+        rows += [*self._reports(), *program, "", *lines([building])]
+        brings = self._bring_functions(members)
+        rows += ["", *brings] if brings else []
         return "\n".join([*rows, ""])
 
     def _members(self) -> Names:
@@ -157,7 +173,7 @@ class _NetworkFiles:
 
     def _bring_signature(self, port: ExternalPort, members: Names) -> tuple[str, tuple[str, ...]]:
         head = f"void network_bring_{members[port.key]}"
-        return head, (f"{self.types.type_name(port.type)} value",)
+        return head, ("struct network *self", f"{self.types.type_name(port.type)} value")
 
     def _bring_declarations(self) -> list[str]:
         if not self._events:
@@ -171,8 +187,8 @@ class _NetworkFiles:
         statements: list[Statement] = []
         for port in self._events:
             latest = address(_external(members[port.key]))
-            body = run(call("csp_event_bring", latest, "&value"))
-            statements += [Function(*self._bring_signature(port, members), (body,)), Blank()]
+            body = run(call("csp_event_bring", "&self->kernel", latest, "&value"))
+            statements += [*([Blank()] if statements else []), Function(*self._bring_signature(port, members), (body,))]
         return lines(statements)
 
     def _safe_values(self, members: Names) -> list[str]:
@@ -196,19 +212,21 @@ class _NetworkFiles:
 
     def _port(self, port: ExternalPort, name: str) -> Aggregate:
         parts: list[tuple[str, Code]] = [(".kind", code(_KINDS[port.medium]))]
-        parts.append((".medium", address(_external(name).field("medium"))))
+        parts.append((".medium", call("offsetof", "struct network", f"external.{name}.medium")))
         if port.direction == "out":
             parts.append((".safe", code(f"&safe_{name}")))
         parts.append((".name", code(quoted(f"{self.network.top}.{port.key}"))))
         return Aggregate(tuple(parts))
 
     def _initialization(self, members: Names) -> list[Statement]:
-        top, ports = self.names.classes[self.network.top], self.network.external_ports
-        numbers = Aggregate(((".process", unsigned(1)), (".channel", unsigned(0))))
-        statements: list[Statement] = [define("csp_numbers", "numbers", numbers), run("csp_begin_building()")]
-        statements.append(_cleared(top))
-        if ports:
-            statements.append(_cleared("external"))
+        ports = self.network.external_ports
+        numbers = Aggregate(((".csp", code("csp")), (".process", unsigned(1)), (".channel", unsigned(0))))
+        statements: list[Statement] = [
+            define("csp_kernel *const", "csp", "&self->kernel"),
+            define("csp_numbers", "numbers", numbers),
+            run(ignored(call("memset", "self", "0", call("sizeof", "*self")))),
+            run(call("csp_build", CSP, "&network_program", "hooks")),
+        ]
         drivers = _driver_lvalues(self.network, self.types)
         for number, (port, driver) in enumerate(zip(ports, drivers, strict=True)):
             statements += self._port_initialization(port, members[port.key], unsigned(number), driver)
@@ -218,7 +236,7 @@ class _NetworkFiles:
 
     def _port_initialization(self, port: ExternalPort, name: str, number: Code, driver: Code) -> list[Statement]:
         """The statements that initialize a port and connect it to its driver."""
-        medium, value = address(_external(name)), f"&present.{name}"
+        medium, value = address(_external(name)), f"&self->present.{name}"
         period = code("") if port.sampling is None else duration(port.sampling.period)
         statements: list[Statement] = []
         match port.medium:
@@ -227,7 +245,7 @@ class _NetworkFiles:
             case "event":
                 broadcast = "true" if port.kind == "broadcast" else "false"
                 statements.append(run(call("csp_event_input_init", medium, number, broadcast, value, driver)))
-                brought = code("brought").field(name)
+                brought = own("brought").field(name)
                 size = call("sizeof", brought)
                 statements.append(run(call("csp_event_input_accept", medium, address(brought), size)))
             case "latched":
@@ -250,7 +268,7 @@ class _NetworkFiles:
             designator = layout.designator(port.name.partition("[")[0], port.index)
             if designator is not None:
                 fields.append((f".{designator}", address(_external(members[port.key]))))
-        arguments: list[Code] = [code(f"&{struct}"), code("&numbers")]
+        arguments: list[Code] = [address(own("top")), code("&numbers")]
         if fields:
             arguments.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
         values = dict(self.network.arguments)
@@ -284,7 +302,7 @@ class _NetworkFiles:
             "",
         ]
 
-    def _program(self, struct: str) -> list[str]:
+    def _program(self) -> list[str]:
         exceptions = [name for name in self.network.exceptions if name in self.names.exceptions]
         rows: list[str] = []
         if exceptions:
@@ -294,9 +312,10 @@ class _NetworkFiles:
         return [
             *rows,
             "const csp_program network_program = {",
-            f"    .process = &{struct}.process,",
+            "    .process = offsetof(struct network, top.process),",
             *(["    .ports = port_table,", f"    .port_count = {count}U,"] if count else []),
             *(["    .exception_names = exception_names,"] if exceptions else []),
+            *(["    .variable_names = network_variable_names,"] if self.variables else []),
             "#if CSP_TRACE",
             "    .process_name = process_name,",
             "    .channel_name = channel_name,",
@@ -306,11 +325,7 @@ class _NetworkFiles:
 
 
 def _external(name: str) -> Code:
-    return code("external").field(name)
-
-
-def _cleared(name: str) -> Statement:
-    return run(ignored(call("memset", f"&{name}", "0", call("sizeof", name))))
+    return own("external").field(name)
 
 
 def _driver_lvalues(network: Network, types: CTypes) -> Iterator[Code]:

@@ -28,10 +28,7 @@ def names_file(network: Network, types: CTypes, described: Mapping[str, ProcessF
     rows += ["#else", "typedef int network_has_no_names;", "#endif", ""]
     if numbering.variables:
         rows += ["/* Variables that may be read before they were written. */"]
-        rows += [*_table("static const char *const variable_names[]", [quoted(v) for v in numbering.variables]), ""]
-        rows += ["void csp_require_written(const csp_written *written)", "{"]
-        rows += ["    if ((written != NULL) && !written->done) {"]
-        rows += ["        csp_not_written(variable_names[written->number]);", "    }", "}", ""]
+        rows += [*_table("const char *const network_variable_names[]", [quoted(v) for v in numbering.variables]), ""]
     return "\n".join(rows)
 
 

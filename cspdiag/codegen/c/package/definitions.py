@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.codegen.c.text.code import AND, EQUALITY, INDENT, LINE_LENGTH, Atom, Code, call, code, infix
 from cspdiag.codegen.c.text.documents import comment, wrapped
+from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import Block, For, Function, Statement, define, lines, return_value, run, store
 from cspdiag.codegen.c.text.types import CTypes
@@ -67,7 +68,7 @@ def _struct(type_: StructType | ArrayType, types: CTypes) -> list[str]:
     compared = (f"{name} left", f"{name} right")
     rows += lines([Function(f"static inline bool {suffix}_equal", compared, tuple(_equality(type_, types)))])
     if types.has_reals(type_):
-        parameters = (f"{name} value", "const char *port")
+        parameters = (KERNEL, f"{name} value", "const char *port")
         finite_check = Function(f"static inline void {suffix}_finite", parameters, tuple(_finiteness(type_, types)))
         rows += ["", *lines([finite_check])]
     return rows

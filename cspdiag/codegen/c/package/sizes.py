@@ -36,11 +36,12 @@ class ClassSize:
 
 @record
 class Sizes:
-    """Classes of processes and control laws, and the bytes and the number of channels."""
+    """Classes of processes and control laws, the bytes and the number of channels, and the bytes of all state."""
 
     classes: tuple[ClassSize, ...]
     channels: int
     channel_bytes: int
+    whole: int
 
 
 class SizeMeasurement:
@@ -54,11 +55,13 @@ class SizeMeasurement:
     def source(self) -> str:
         """The C file, with an array for each type to be measured."""
         names = sorted({self._names.classes[entry.name] for entry in self._network.classes})
-        rows = ['#include "csp.h"', '#include "types.h"', *(f'#include "{name}.h"' for name in names), ""]
+        rows = ['#include "csp.h"', '#include "network.h"', '#include "types.h"']
+        rows += [*(f'#include "{name}.h"' for name in names), ""]
         rows += [f"char {PREFIX}class_{name}[sizeof(struct {name})];" for name in names]
         rows += [f"char {PREFIX}channel_{access}[sizeof({struct})];" for access, struct in _CHANNELS.items()]
         kinds = {self._types.type_name(item.type): self._types.suffix(item.type) for item in self._buffers()}
         rows += [f"char {PREFIX}value_{suffix}[sizeof({kind})];" for kind, suffix in sorted(kinds.items())]
+        rows += [f"char {PREFIX}network[sizeof(struct network)];"]
         return "\n".join([*rows, ""])
 
     def _buffers(self) -> list[LocalChannel]:
@@ -80,7 +83,7 @@ class SizeMeasurement:
             channel_bytes += count * sum(own)
             kind = "process" if isinstance(entry, ProcessClass) else "law"
             found.append(ClassSize(kind, entry.definition, count, max(whole - inside - sum(own), 0)))
-        return Sizes(tuple(found), channels, channel_bytes)
+        return Sizes(tuple(found), channels, channel_bytes, sizes["network"])
 
     def _inside(self, entry: ProcessClass | SubmodelClass, sizes: Mapping[str, int]) -> int:
         if not isinstance(entry, ProcessClass):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.laws.laws import kernel_of, law_verbs
 from cspdiag.codegen.c.process.leaves import KINDS
 from cspdiag.codegen.c.process.outlines import Outlines
 from cspdiag.codegen.c.process.struct.declarations import port_members
@@ -20,6 +21,7 @@ from cspdiag.codegen.c.text.code import (
     cast,
     code,
     ignored,
+    mentions_kernel,
     own,
     unsigned,
 )
@@ -124,6 +126,8 @@ class _Initialization:
         statements += self.writer.initial
         if port_members(members) and not any(isinstance(node, PortMember) for node in nodes(statements)):
             statements.insert(0, run(ignored(PORTS)))
+        if mentions_kernel(statements):
+            statements.insert(0, define("csp_kernel *const", "csp", "numbers->csp"))
         return statements
 
     def _used_parameters(self) -> set[str]:
@@ -255,7 +259,9 @@ class _Initialization:
         lvalue = own(self.members.member(instance.name))
         given = [self._printed(value) for _, value in instance.arguments]
         if isinstance(class_, SubmodelClass):
-            return [run(call(f"{struct}_initialize", address(lvalue), *given))]
+            return [
+                run(call(f"{struct}_initialize", *kernel_of(law_verbs(class_), "initialize"), address(lvalue), *given))
+            ]
         arguments: list[Code] = [address(lvalue), code("numbers")]
         layout = self._layout(class_)
         if class_.external is not None:

@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.text.code import Aggregate, Code, call, code, mentions_self
+from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names
 from cspdiag.codegen.c.text.numbered import at_first, mentions_number, stride
@@ -157,7 +158,7 @@ class Routine:
             inside.append(Blank())
         cases = (("case 0", tuple(self.body)), ("default", (return_value("NULL"),)))
         function = Block((*inside, Switch(code("party->state"), cases)))
-        return [*signature(f"static csp_party *{self.function}", ["csp_party *party"]), *lines([function])]
+        return [*signature(f"static csp_party *{self.function}", [KERNEL, "csp_party *party"]), *lines([function])]
 
     def _enclosing(self) -> Code:
         struct = f"struct {self.struct}"

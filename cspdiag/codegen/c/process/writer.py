@@ -12,8 +12,9 @@ from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.routines import Handler, Routine, Waiting, WaitingState
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.port_layout import TAKEN
-from cspdiag.codegen.c.text.code import Code, address, call, code, own, unsigned
+from cspdiag.codegen.c.text.code import Code, address, call, code, mentions_kernel, own, unsigned
 from cspdiag.codegen.c.text.expressions import Printer
+from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames, identifier, snake_case
 from cspdiag.codegen.c.text.numbered import Numbered
@@ -119,13 +120,13 @@ class Writer:
         whole = member is None
         closing = [run(call("csp_ends_close", address(own("samples"))))] if whole and self.members.has_samples else []
         if whole:
-            closing.append(run("csp_observe_end(party->number)"))
-            routine.body.append(run("csp_observe_begin(party->number)"))
+            closing.append(run(call("csp_observe_end", "party->number")))
+            routine.body.append(run(call("csp_observe_begin", "party->number")))
         routine.body += self.statements(action)
         if can_complete(action):
-            routine.body += [*closing, return_value("csp_end(party)")]
+            routine.body += [*closing, return_value(call("csp_end", "party"))]
         failing = routine.label(routine.outermost, place)
-        unwinding = [run("csp_unwind(party)"), *closing, return_value("csp_fail(party)")]
+        unwinding = [run(call("csp_unwind", "party")), *closing, return_value(call("csp_fail", "party"))]
         if failing and not routine.outermost.is_entered_by_kernel and routine.body[-1] == goto(routine.outermost.label):
             routine.body.pop()
             reached = jumps_to(routine.outermost.label, routine.body)
@@ -220,7 +221,8 @@ class Writer:
         if key not in self._laws:
             name = self._laws[key] = self.states.fresh(f"{self.struct}_{identifier(snake_case(law))}_calculate")
             head = f"static {result} {name}"
-            self.add_function([remark, Function(head, (f"struct {self.struct} *self",), key[1])])
+            kernel = (KERNEL,) if mentions_kernel(key[1]) else ()
+            self.add_function([remark, Function(head, (*kernel, f"struct {self.struct} *self"), key[1])])
         return self._laws[key]
 
     def add_member(self, name: str, type_: str) -> Code:
@@ -358,7 +360,7 @@ class Writer:
         after = self.states.fresh(f"after_{handler.label}")
         if passes:
             statements.append(goto(after))
-        statements += [*label, run("csp_unwind(party)"), *handling]
+        statements += [*label, run(call("csp_unwind", "party")), *handling]
         if passes:
             statements.append(Label(after))
         return statements

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.text.kernel import TAKES_KERNEL, USES_KERNEL
 from cspdiag.codegen.shared.document import (
     LINE,
     SOFT,
@@ -304,7 +305,9 @@ def at_least(item: Code, precedence: int) -> Code:
 
 
 def call(function: str, *arguments: Code | str) -> Call:
-    """``function(a, b)``."""
+    """``function(a, b)``; what the kernel needs to know of the run is added."""
+    if function in TAKES_KERNEL:
+        arguments = (CSP, *arguments)
     return Call(function, tuple(at_least(code(argument), ASSIGNMENT) for argument in arguments))
 
 
@@ -391,4 +394,14 @@ def mentions_self(item: object) -> bool:
     return any(isinstance(node, Own) or node == _SELF for node in nodes(item))
 
 
+def mentions_kernel(item: object) -> bool:
+    """Whether an expression or statements use ``csp``, the state of the run."""
+    return any(node in _KERNEL or (isinstance(node, Call) and node.function in USES_KERNEL) for node in nodes(item))
+
+
+CSP = Atom("csp")
+"""The state of the run."""
+NOW = Atom("csp->now")
+"""The present instant."""
 _SELF = Atom("self")
+_KERNEL = (CSP, NOW)

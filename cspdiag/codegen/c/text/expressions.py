@@ -11,6 +11,7 @@ from cspdiag.base.record import replaced
 from cspdiag.codegen.c.text.code import (
     AND,
     EQUALITY,
+    NOW,
     OR,
     PRODUCT,
     RELATION,
@@ -105,7 +106,7 @@ class Printer(Evaluator):
             case SignalValue(name=name):
                 return self.signal(name)
             case PresentTime(type=TimeType()):
-                return Atom("csp.now")
+                return NOW
             case PresentTime():
                 assert self.time is not None, "time is known in environments only"
                 return Atom(self.time)

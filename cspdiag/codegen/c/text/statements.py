@@ -7,7 +7,19 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import INDENT, LINE_LENGTH, Atom, Call, Code, assign, code, negated
+from cspdiag.codegen.c.text.code import (
+    CSP,
+    INDENT,
+    LINE_LENGTH,
+    Atom,
+    Call,
+    Code,
+    assign,
+    code,
+    ignored,
+    mentions_kernel,
+    negated,
+)
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import in_comment
 from cspdiag.codegen.shared.document import Document, Fill, Nest, listed, render
@@ -144,6 +156,11 @@ def run(function: Code | str, end: str = ";") -> Plain:
 def store(target: Code | str, value: Code | str, remark: str | None = None) -> Plain:
     """``target = value;``."""
     return Plain(assign(target, value), remark=remark)
+
+
+def with_kernel(statements: Sequence[Statement]) -> tuple[Statement, ...]:
+    """The body of a function that is passed the kernel, whether or not it uses it."""
+    return (*([] if mentions_kernel(statements) else [run(ignored(CSP))]), *statements)
 
 
 def define(type_name: str, name: str, value: Code | str | None = None, remark: str | None = None) -> Plain:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import assert_never
 
 from cspdiag.base import Span
-from cspdiag.codegen.c.text.code import PRODUCT, Aggregate, Atom, Code, call, cast, infix, minus
+from cspdiag.codegen.c.text.code import CSP, PRODUCT, Aggregate, Atom, Code, call, cast, infix, minus
 from cspdiag.codegen.c.text.names import Names, PackageNames, identifier
 from cspdiag.model.types import (
     ArrayType,
@@ -133,7 +133,7 @@ class CTypes:
             return None
         if isinstance(type_, RealType):
             return call("csp_finite", cast("double", value) if type_.bits == 32 else value, port)
-        return call(f"{self.suffix(type_)}_finite", value, port)
+        return call(f"{self.suffix(type_)}_finite", CSP, value, port)
 
 
 def scalars(type_: Type) -> Iterator[Type]:

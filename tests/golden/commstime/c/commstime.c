@@ -21,31 +21,31 @@ static const csp_branches commstime_branches[] = {
     {.offset = offsetof(struct commstime, consumer.process), .stride = 0U, .count = 1U, .level = 0U}
 };
 
-static csp_party *commstime_step(csp_party *party)
+static csp_party *commstime_step(csp_kernel *csp, csp_party *party)
 {
     struct commstime *const self = CSP_ENCLOSING(party, struct commstime, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         /* prefix || delta || successor || consumer (commstime.csp:74) */
-        CSP_AWAIT(csp_par(party, &self->parallel, commstime_branches, 4U),
-            csp_par_again(party, &self->parallel), IN_PARALLEL, catches_finished)
+        CSP_AWAIT(csp_par(csp, party, &self->parallel, commstime_branches, 4U),
+            csp_par_again(csp, party, &self->parallel), IN_PARALLEL, catches_finished)
         goto after_catches_finished;
     case CATCHES_FINISHED:
     catches_finished:
-        csp_unwind(party);
-        if (!csp_catch(EXCEPTION_FINISHED)) {
+        csp_unwind(csp, party);
+        if (!csp_catch(csp, EXCEPTION_FINISHED)) {
             goto fails;
         }
     after_catches_finished:
-        csp_observe_end(party->number);
-        return csp_end(party);
+        csp_observe_end(csp, party->number);
+        return csp_end(csp, party);
     fails:
-        csp_unwind(party);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

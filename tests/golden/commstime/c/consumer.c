@@ -9,25 +9,25 @@ enum {
     FAILS
 };
 
-static csp_party *consumer_step(csp_party *party)
+static csp_party *consumer_step(csp_kernel *csp, csp_party *party)
 {
     struct consumer *const self = CSP_ENCLOSING(party, struct consumer, process);
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         do {
             /* input ? value (commstime.csp:55) */
             CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
         } while (self->value != self->rounds - 1);
         /* raise Finished (commstime.csp:55) */
-        (void)csp_raise(party, EXCEPTION_FINISHED, "commstime.csp:55");
+        (void)csp_raise(csp, party, EXCEPTION_FINISHED, "commstime.csp:55");
         goto fails;
     case FAILS:
     fails:
-        csp_unwind(party);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

@@ -11,13 +11,13 @@ enum {
     FAILS
 };
 
-static csp_party *delta_step(csp_party *party)
+static csp_party *delta_step(csp_kernel *csp, csp_party *party)
 {
     struct delta *const self = CSP_ENCLOSING(party, struct delta, process);
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         for (;;) {
             /* input ? value (commstime.csp:28) */
             CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
@@ -28,9 +28,9 @@ static csp_party *delta_step(csp_party *party)
         }
     case FAILS:
     fails:
-        csp_unwind(party);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

@@ -2,10 +2,12 @@
 #include "csp_simulation.h"
 #include "network.h"
 
+static struct network network;
+
 static void connect_nothing(void)
 {
     static const struct network_drivers drivers;
-    network_initialize(&drivers);
+    network_initialize(&network, &drivers, csp_port_hooks());
 }
 
 static const csp_scenario scenarios[] = {
@@ -24,5 +26,5 @@ int main(int count, char **options)
 {
     const csp_names names = NAMES;
     const uint32_t scenario_count = (uint32_t)(sizeof scenarios / sizeof scenarios[0]);
-    return csp_simulate(count, options, &network_program, &names, scenarios, scenario_count);
+    return csp_simulate(count, options, &network.kernel, &names, scenarios, scenario_count);
 }

@@ -1,19 +1,6 @@
 #include "network.h"
 
 #include "constants.h"
-#include "commstime.h"
-
-/* All memory of the program. */
-static struct commstime commstime;
-
-void network_initialize(const struct network_drivers *drivers)
-{
-    csp_numbers numbers = {.process = 1U, .channel = 0U};
-    csp_begin_building();
-    (void)memset(&commstime, 0, sizeof(commstime));
-    (void)drivers;
-    commstime_initialize(&commstime, &numbers, 1000);
-}
 
 /* Names are built in where communications are reported. */
 #if CSP_TRACE
@@ -41,10 +28,21 @@ static void channel_name(uint32_t number, char *text, size_t size)
 static const char *const exception_names[] = {"Finished"};
 
 const csp_program network_program = {
-    .process = &commstime.process,
+    .process = offsetof(struct network, top.process),
     .exception_names = exception_names,
 #if CSP_TRACE
     .process_name = process_name,
     .channel_name = channel_name,
 #endif
 };
+
+void network_initialize(struct network *self, const struct network_drivers *drivers,
+    const csp_hooks *hooks)
+{
+    csp_kernel *const csp = &self->kernel;
+    csp_numbers numbers = {.csp = csp, .process = 1U, .channel = 0U};
+    (void)memset(self, 0, sizeof(*self));
+    csp_build(csp, &network_program, hooks);
+    (void)drivers;
+    commstime_initialize(&self->top, &numbers, 1000);
+}

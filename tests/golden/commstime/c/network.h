@@ -3,14 +3,23 @@
 #define NETWORK_H
 
 #include "csp.h"
+#include "commstime.h"
+#include "types.h"
+
+/* All memory of the program. */
+struct network {
+    csp_kernel kernel;
+    struct commstime top; /* the outermost process, with all others inside */
+};
 
 /* A device or a simulated one for every port. */
 struct network_drivers {
     char unused;
 };
 
-/* Builds the network, before each run. */
-void network_initialize(const struct network_drivers *drivers);
+/* Builds the network, before each run; csp_build says what the hooks are. */
+void network_initialize(struct network *self, const struct network_drivers *drivers,
+    const csp_hooks *hooks);
 
 extern const csp_program network_program;
 

@@ -10,13 +10,13 @@ enum {
     FAILS
 };
 
-static csp_party *prefix_step(csp_party *party)
+static csp_party *prefix_step(csp_kernel *csp, csp_party *party)
 {
     struct prefix *const self = CSP_ENCLOSING(party, struct prefix, process);
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         for (;;) {
             /* output ! value (commstime.csp:14) */
             CSP_COMMUNICATE(csp_channel_write, self->output, self->value, WRITES_OUTPUT, fails)
@@ -25,9 +25,9 @@ static csp_party *prefix_step(csp_party *party)
         }
     case FAILS:
     fails:
-        csp_unwind(party);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

@@ -10,27 +10,27 @@ enum {
     FAILS
 };
 
-static csp_party *successor_step(csp_party *party)
+static csp_party *successor_step(csp_kernel *csp, csp_party *party)
 {
     struct successor *const self = CSP_ENCLOSING(party, struct successor, process);
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         for (;;) {
             /* input ? value (commstime.csp:42) */
             CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
             /* output ! value + 1 (commstime.csp:42) */
-            self->sent.output = csp_add(self->value, 1);
+            self->sent.output = csp_add(csp, self->value, 1);
             CSP_FAULT("commstime.csp:42", fails);
             CSP_COMMUNICATE(csp_channel_write, self->output, self->sent.output, WRITES_OUTPUT,
                 fails)
         }
     case FAILS:
     fails:
-        csp_unwind(party);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

@@ -3,9 +3,11 @@
 #include "network.h"
 #include "workshop_environment.h"
 
+static struct network network;
+
 static void connect_workshop_environment(void)
 {
-    network_initialize(&workshop_environment_drivers);
+    network_initialize(&network, &workshop_environment_drivers, csp_port_hooks());
 }
 
 static const csp_scenario scenarios[] = {
@@ -24,5 +26,5 @@ int main(int count, char **options)
 {
     const csp_names names = NAMES;
     const uint32_t scenario_count = (uint32_t)(sizeof scenarios / sizeof scenarios[0]);
-    return csp_simulate(count, options, &network_program, &names, scenarios, scenario_count);
+    return csp_simulate(count, options, &network.kernel, &names, scenarios, scenario_count);
 }

@@ -1,85 +1,41 @@
 #include "network.h"
 
 #include "constants.h"
-#include "spindle.h"
-
-/* All memory of the program. */
-static struct spindle spindle;
-static struct {
-    csp_event_input panel;
-    csp_sampled_input feedback;
-    csp_latched_output control;
-    csp_latched_output brake;
-    csp_direct_output halted;
-} external;
-static struct {
-    enum button panel;
-    double feedback;
-    double control;
-    bool brake;
-} present;
-static struct {
-    enum button panel;
-} brought; /* by interrupt handlers */
 
 static const double safe_control = 0.0;
 static const bool safe_brake = true;
 static const bool safe_halted = false;
 
 static const csp_port port_table[] = {
-    {.kind = CSP_PORT_EVENT, .medium = &external.panel.medium, .name = "Spindle.panel"},
-    {.kind = CSP_PORT_SAMPLED, .medium = &external.feedback.medium, .name = "Spindle.feedback"},
+    {
+        .kind = CSP_PORT_EVENT,
+        .medium = offsetof(struct network, external.panel.medium),
+        .name = "Spindle.panel"
+    },
+    {
+        .kind = CSP_PORT_SAMPLED,
+        .medium = offsetof(struct network, external.feedback.medium),
+        .name = "Spindle.feedback"
+    },
     {
         .kind = CSP_PORT_LATCHED,
-        .medium = &external.control.medium,
+        .medium = offsetof(struct network, external.control.medium),
         .safe = &safe_control,
         .name = "Spindle.control"
     },
     {
         .kind = CSP_PORT_LATCHED,
-        .medium = &external.brake.medium,
+        .medium = offsetof(struct network, external.brake.medium),
         .safe = &safe_brake,
         .name = "Spindle.brake"
     },
     {
         .kind = CSP_PORT_DIRECT,
-        .medium = &external.halted.medium,
+        .medium = offsetof(struct network, external.halted.medium),
         .safe = &safe_halted,
         .name = "Spindle.halted"
     }
 };
-
-void network_initialize(const struct network_drivers *drivers)
-{
-    csp_numbers numbers = {.process = 1U, .channel = 0U};
-    csp_begin_building();
-    (void)memset(&spindle, 0, sizeof(spindle));
-    (void)memset(&external, 0, sizeof(external));
-    csp_event_input_init(&external.panel, 0U, false, &present.panel, drivers->panel);
-    csp_event_input_accept(&external.panel, &brought.panel, sizeof(brought.panel));
-    csp_sampled_input_init(&external.feedback, 1U, 2 * CSP_MS, &present.feedback,
-        drivers->feedback);
-    csp_latched_output_init(&external.control, 2U, 2 * CSP_MS, &present.control, drivers->control);
-    external.control.name = "Spindle.control";
-    csp_latched_output_init(&external.brake, 3U, 2 * CSP_MS, &present.brake, drivers->brake);
-    external.brake.name = "Spindle.brake";
-    csp_direct_output_init(&external.halted, 4U, drivers->halted);
-    external.halted.name = "Spindle.halted";
-    numbers.channel = 5U;
-    spindle_initialize(&spindle, &numbers,
-        &(const struct spindle_ports){
-            .panel = &external.panel,
-            .feedback = &external.feedback,
-            .control = &external.control,
-            .brake = &external.brake,
-            .halted = &external.halted
-        });
-}
-
-void network_bring_panel(enum button value)
-{
-    csp_event_bring(&external.panel, &value);
-}
 
 /* Names are built in where communications are reported. */
 #if CSP_TRACE
@@ -105,7 +61,7 @@ static void channel_name(uint32_t number, char *text, size_t size)
 #endif
 
 const csp_program network_program = {
-    .process = &spindle.process,
+    .process = offsetof(struct network, top.process),
     .ports = port_table,
     .port_count = 5U,
 #if CSP_TRACE
@@ -113,3 +69,39 @@ const csp_program network_program = {
     .channel_name = channel_name,
 #endif
 };
+
+void network_initialize(struct network *self, const struct network_drivers *drivers,
+    const csp_hooks *hooks)
+{
+    csp_kernel *const csp = &self->kernel;
+    csp_numbers numbers = {.csp = csp, .process = 1U, .channel = 0U};
+    (void)memset(self, 0, sizeof(*self));
+    csp_build(csp, &network_program, hooks);
+    csp_event_input_init(&self->external.panel, 0U, false, &self->present.panel, drivers->panel);
+    csp_event_input_accept(&self->external.panel, &self->brought.panel,
+        sizeof(self->brought.panel));
+    csp_sampled_input_init(&self->external.feedback, 1U, 2 * CSP_MS, &self->present.feedback,
+        drivers->feedback);
+    csp_latched_output_init(&self->external.control, 2U, 2 * CSP_MS, &self->present.control,
+        drivers->control);
+    self->external.control.name = "Spindle.control";
+    csp_latched_output_init(&self->external.brake, 3U, 2 * CSP_MS, &self->present.brake,
+        drivers->brake);
+    self->external.brake.name = "Spindle.brake";
+    csp_direct_output_init(&self->external.halted, 4U, drivers->halted);
+    self->external.halted.name = "Spindle.halted";
+    numbers.channel = 5U;
+    spindle_initialize(&self->top, &numbers,
+        &(const struct spindle_ports){
+            .panel = &self->external.panel,
+            .feedback = &self->external.feedback,
+            .control = &self->external.control,
+            .brake = &self->external.brake,
+            .halted = &self->external.halted
+        });
+}
+
+void network_bring_panel(struct network *self, enum button value)
+{
+    csp_event_bring(&self->kernel, &self->external.panel, &value);
+}

@@ -3,7 +3,30 @@
 #define NETWORK_H
 
 #include "csp.h"
+#include "spindle.h"
 #include "types.h"
+
+/* All memory of the program. */
+struct network {
+    csp_kernel kernel;
+    struct spindle top; /* the outermost process, with all others inside */
+    struct {
+        csp_event_input panel;
+        csp_sampled_input feedback;
+        csp_latched_output control;
+        csp_latched_output brake;
+        csp_direct_output halted;
+    } external;
+    struct {
+        enum button panel;
+        double feedback;
+        double control;
+        bool brake;
+    } present;
+    struct {
+        enum button panel;
+    } brought; /* by interrupt handlers */
+};
 
 /* A device or a simulated one for every port. */
 struct network_drivers {
@@ -19,11 +42,12 @@ struct network_drivers {
     csp_driver halted;
 };
 
-/* Builds the network, before each run. */
-void network_initialize(const struct network_drivers *drivers);
+/* Builds the network, before each run; csp_build says what the hooks are. */
+void network_initialize(struct network *self, const struct network_drivers *drivers,
+    const csp_hooks *hooks);
 
 /* An interrupt handler brings an event: the latest value counts. */
-void network_bring_panel(enum button value);
+void network_bring_panel(struct network *self, enum button value);
 
 extern const csp_program network_program;
 

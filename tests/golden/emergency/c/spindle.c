@@ -13,7 +13,7 @@ enum {
     REPEAT_LAW_FAILS
 };
 
-static csp_party *spindle_repeat_law_step(csp_party *party)
+static csp_party *spindle_repeat_law_step(csp_kernel *csp, csp_party *party)
 {
     struct spindle *const self = CSP_ENCLOSING(party, struct spindle, repeat_law_branch);
     csp_progress progress;
@@ -24,18 +24,18 @@ static csp_party *spindle_repeat_law_step(csp_party *party)
             /* law (emergency.csp:36) */
             CSP_TAKE(csp_sampled_read, &self->feedback, self->law.feedback,
                 REPEAT_LAW_READS_FEEDBACK, fails)
-            (void)spindle_controller_calculate(&self->law);
+            (void)spindle_controller_calculate(csp, &self->law);
             CSP_FAULT_INSIDE("law", "emergency.csp:8", fails);
             CSP_CHECK(fails)
-            csp_finite(self->law.control, self->control->name);
+            csp_finite(csp, self->law.control, self->control->name);
             CSP_FAULT_INSIDE("law", "emergency.csp:8", fails);
             (void)csp_latched_write(party, self->control, &self->law.control,
                 sizeof(self->law.control));
         }
     case REPEAT_LAW_FAILS:
     fails:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -65,14 +65,14 @@ static const csp_class spindle_repeat_law_class = {
     .offset = offsetof(struct spindle, repeat_law_branch)
 };
 
-static csp_party *spindle_step(csp_party *party)
+static csp_party *spindle_step(csp_kernel *csp, csp_party *party)
 {
     struct spindle *const self = CSP_ENCLOSING(party, struct spindle, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         do {
             /* panel ? button (emergency.csp:34) */
             CSP_TAKE(csp_event_read, self->panel, self->button, READS_PANEL, fails)
@@ -85,9 +85,9 @@ static csp_party *spindle_step(csp_party *party)
         csp_interrupt_prepare(&self->interrupt_repeat_law);
         csp_guard_read(&self->interrupt_repeat_law.alternative, 0U, &self->panel->medium,
             &self->button, sizeof(self->button));
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_law),
-            csp_interruptible_again(party, &self->interrupt_repeat_law), INTERRUPTIBLE_REPEAT_LAW,
-            fails)
+        CSP_AWAIT(csp_interruptible(csp, party, &self->interrupt_repeat_law),
+            csp_interruptible_again(csp, party, &self->interrupt_repeat_law),
+            INTERRUPTIBLE_REPEAT_LAW, fails)
         if (self->interrupt_repeat_law.taken) {
             /* panel ? button (emergency.csp:36) */
             /* control ! 0<V> (emergency.csp:36) */
@@ -108,16 +108,17 @@ static csp_party *spindle_step(csp_party *party)
         /* halted ! true (emergency.csp:38) */
         self->sent.halted = true;
         CSP_CHECK(fails)
-        (void)csp_direct_write(party, self->halted, &self->sent.halted, sizeof(self->sent.halted));
+        (void)csp_direct_write(csp, party, self->halted, &self->sent.halted,
+            sizeof(self->sent.halted));
         csp_ends_close(&self->samples);
-        csp_observe_end(party->number);
-        return csp_end(party);
+        csp_observe_end(csp, party->number);
+        return csp_end(csp, party);
     case FAILS:
     fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->samples);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

@@ -15,10 +15,10 @@ void spindle_controller_reset(struct spindle_controller *self)
     (void)self;
 }
 
-bool spindle_controller_calculate(struct spindle_controller *self)
+bool spindle_controller_calculate(csp_kernel *csp, struct spindle_controller *self)
 {
     /* emergency.csp:12 */
-    self->control = csp_real(
+    self->control = csp_real(csp,
         csp_limit(0.05 * self->feedback + 0.5 * (self->speed - self->feedback), -24.0, 24.0));
     CSP_CHECK_LAW("emergency.csp:12");
     return true;

@@ -5,6 +5,7 @@
 #ifndef SPINDLE_CONTROLLER_H
 #define SPINDLE_CONTROLLER_H
 
+#include "csp_core.h"
 #include "types.h"
 
 struct spindle_controller {
@@ -20,7 +21,7 @@ struct spindle_controller {
 void spindle_controller_initialize(struct spindle_controller *self, double speed);
 /* Puts the states back to their initial values. */
 void spindle_controller_reset(struct spindle_controller *self);
-/* One run, from inputs to outputs and next states; false after a fault (csp_fault). */
-bool spindle_controller_calculate(struct spindle_controller *self);
+/* One run, from inputs to outputs and next states; false after a fault. */
+bool spindle_controller_calculate(csp_kernel *csp, struct spindle_controller *self);
 
 #endif

@@ -42,18 +42,19 @@ static void write_bool(void *device, const void *value)
     *(bool *)device = *(const bool *)value;
 }
 
-static inline double workshop_environment_slopes(double wheel_w, double wheel_voltage,
-    bool wheel_brake)
+static inline double workshop_environment_slopes(csp_kernel *csp, double wheel_w,
+    double wheel_voltage, bool wheel_brake)
 {
     const double wheel_motor = 0.05 * (wheel_voltage - 0.05 * wheel_w) / 1.0; /* emergency.csp:49 */
     const double wheel_braked = wheel_brake ? 0.002 * wheel_w : 0.0; /* emergency.csp:50 */
-    const double slope = csp_divide(wheel_motor - wheel_braked, plant.wheel_inertia);
-    csp_fault_in("emergency.csp:51");
+    const double slope = csp_divide(csp, wheel_motor - wheel_braked, plant.wheel_inertia);
+    csp_fault_in(csp, "emergency.csp:51");
     return slope;
 }
 
-static bool workshop_environment_evaluate(void)
+static bool workshop_environment_evaluate(csp_kernel *csp)
 {
+    (void)csp;
     const double time = csp_seconds(plant.now);
     const double wheel_speed = plant.wheel_w; /* emergency.csp:52 */
     /* emergency.csp:59 */
@@ -64,17 +65,17 @@ static bool workshop_environment_evaluate(void)
     return true;
 }
 
-static bool workshop_environment_start(void)
+static bool workshop_environment_start(csp_kernel *csp)
 {
     plant.now = 0;
     plant.wheel_inertia = 2e-4; /* emergency.csp:43 */
     plant.wheel_w = 0.0; /* emergency.csp:48 */
-    (void)workshop_environment_evaluate();
+    (void)workshop_environment_evaluate(csp);
     plant.panel[1] = plant.panel[0];
-    return !csp_faulted();
+    return !csp_faulted(csp);
 }
 
-static bool workshop_environment_advance(int64_t now)
+static bool workshop_environment_advance(csp_kernel *csp, int64_t now)
 {
     double wheel_w = plant.wheel_w;
     const double wheel_voltage = plant.control; /* emergency.csp:68 */
@@ -82,18 +83,21 @@ static bool workshop_environment_advance(int64_t now)
     const double h = csp_seconds(now - plant.now);
     const double half = h / 2.0;
     const double sixth = h / 6.0;
-    const double k1 = workshop_environment_slopes(wheel_w, wheel_voltage, wheel_brake);
-    const double k2 = workshop_environment_slopes(wheel_w + half * k1, wheel_voltage, wheel_brake);
-    const double k3 = workshop_environment_slopes(wheel_w + half * k2, wheel_voltage, wheel_brake);
-    const double k4 = workshop_environment_slopes(wheel_w + h * k3, wheel_voltage, wheel_brake);
+    const double k1 = workshop_environment_slopes(csp, wheel_w, wheel_voltage, wheel_brake);
+    const double k2 =
+        workshop_environment_slopes(csp, wheel_w + half * k1, wheel_voltage, wheel_brake);
+    const double k3 =
+        workshop_environment_slopes(csp, wheel_w + half * k2, wheel_voltage, wheel_brake);
+    const double k4 =
+        workshop_environment_slopes(csp, wheel_w + h * k3, wheel_voltage, wheel_brake);
     wheel_w += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    if (csp_faulted() || !csp_is_finite(wheel_w)) {
-        csp_finite_at(wheel_w, "emergency.csp:51");
+    if (csp_faulted(csp) || !csp_is_finite(wheel_w)) {
+        csp_finite_at(csp, wheel_w, "emergency.csp:51");
         CSP_CHECK_LAW("emergency.csp:51");
     }
     plant.wheel_w = wheel_w;
     plant.now = now;
-    return workshop_environment_evaluate();
+    return workshop_environment_evaluate(csp);
 }
 
 const struct network_drivers workshop_environment_drivers = {

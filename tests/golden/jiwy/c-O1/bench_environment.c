@@ -72,8 +72,9 @@ struct bench_environment_slopes {
     double tilt_speed;
 };
 
-static inline struct bench_environment_slopes bench_environment_slopes(double pan_angle,
-    double pan_speed, double tilt_angle, double tilt_speed, double pan_voltage, double tilt_voltage)
+static inline struct bench_environment_slopes bench_environment_slopes(csp_kernel *csp,
+    double pan_angle, double pan_speed, double tilt_angle, double tilt_speed, double pan_voltage,
+    double tilt_voltage)
 {
     /* plant.csp:35 */
     const double pan_stop = (pan_angle < plant.pan_left)
@@ -95,10 +96,10 @@ static inline struct bench_environment_slopes bench_environment_slopes(double pa
         + pan_stop;
     /* plant.csp:42 */
     const double pan_friction = (fabs(pan_speed) < plant.pan_creep)
-        ? csp_limit(pan_torque + csp_divide(plant.pan_mass * pan_speed, plant.pan_settling),
+        ? csp_limit(pan_torque + csp_divide(csp, plant.pan_mass * pan_speed, plant.pan_settling),
             -plant.pan_stiction, plant.pan_stiction)
         : ((pan_speed > 0.0) ? plant.pan_coulomb : -plant.pan_coulomb);
-    csp_fault_in("plant.csp:42");
+    csp_fault_in(csp, "plant.csp:42");
     /* plant.csp:40 */
     const double tilt_torque = drive * (tilt_voltage - induction * tilt_speed)
         - plant.tilt_viscous * tilt_speed
@@ -106,21 +107,22 @@ static inline struct bench_environment_slopes bench_environment_slopes(double pa
         + tilt_stop;
     /* plant.csp:42 */
     const double tilt_friction = (fabs(tilt_speed) < plant.tilt_creep)
-        ? csp_limit(tilt_torque + csp_divide(plant.tilt_mass * tilt_speed, plant.tilt_settling),
+        ? csp_limit(
+            tilt_torque + csp_divide(csp, plant.tilt_mass * tilt_speed, plant.tilt_settling),
             -plant.tilt_stiction, plant.tilt_stiction)
         : ((tilt_speed > 0.0) ? plant.tilt_coulomb : -plant.tilt_coulomb);
-    csp_fault_in("plant.csp:42");
+    csp_fault_in(csp, "plant.csp:42");
     struct bench_environment_slopes slopes;
     slopes.pan_angle = pan_speed;
-    slopes.pan_speed = csp_divide(pan_torque - pan_friction, plant.pan_mass);
-    csp_fault_in("plant.csp:48");
+    slopes.pan_speed = csp_divide(csp, pan_torque - pan_friction, plant.pan_mass);
+    csp_fault_in(csp, "plant.csp:48");
     slopes.tilt_angle = tilt_speed;
-    slopes.tilt_speed = csp_divide(tilt_torque - tilt_friction, plant.tilt_mass);
-    csp_fault_in("plant.csp:48");
+    slopes.tilt_speed = csp_divide(csp, tilt_torque - tilt_friction, plant.tilt_mass);
+    csp_fault_in(csp, "plant.csp:48");
     return slopes;
 }
 
-static bool bench_environment_evaluate(void)
+static bool bench_environment_evaluate(csp_kernel *csp)
 {
     const double time = csp_seconds(plant.now);
     /* plant.csp:49 */
@@ -145,14 +147,14 @@ static bool bench_environment_evaluate(void)
     plant.joystick_buttons[0] = hand_buttons; /* jiwy.csp:179 */
     /* A sum is finite only if its terms are. */
     if (!csp_is_finite(pan_encoder + tilt_encoder)) {
-        csp_finite_at(pan_encoder, "plant.csp:49");
-        csp_finite_at(tilt_encoder, "plant.csp:49");
+        csp_finite_at(csp, pan_encoder, "plant.csp:49");
+        csp_finite_at(csp, tilt_encoder, "plant.csp:49");
         CSP_CHECK_LAW("plant.csp:49");
     }
     return true;
 }
 
-static bool bench_environment_start(void)
+static bool bench_environment_start(csp_kernel *csp)
 {
     plant.now = 0;
     plant.pan_start = 0.3; /* plant.csp:26 */
@@ -183,12 +185,12 @@ static bool bench_environment_start(void)
     plant.pan_speed = 0.0; /* plant.csp:33 */
     plant.tilt_angle = plant.tilt_start; /* plant.csp:32 */
     plant.tilt_speed = 0.0; /* plant.csp:33 */
-    (void)bench_environment_evaluate();
+    (void)bench_environment_evaluate(csp);
     plant.joystick_buttons[1] = plant.joystick_buttons[0];
-    return !csp_faulted();
+    return !csp_faulted(csp);
 }
 
-static bool bench_environment_advance(int64_t now)
+static bool bench_environment_advance(csp_kernel *csp, int64_t now)
 {
     double pan_angle = plant.pan_angle;
     double pan_speed = plant.pan_speed;
@@ -201,17 +203,17 @@ static bool bench_environment_advance(int64_t now)
     const double half = h / 2.0;
     const double sixth = h / 6.0;
     for (int64_t step = 0; step < steps; step++) {
-        const struct bench_environment_slopes k1 = bench_environment_slopes(pan_angle, pan_speed,
-            tilt_angle, tilt_speed, pan_voltage, tilt_voltage);
-        const struct bench_environment_slopes k2 = bench_environment_slopes(
+        const struct bench_environment_slopes k1 = bench_environment_slopes(csp, pan_angle,
+            pan_speed, tilt_angle, tilt_speed, pan_voltage, tilt_voltage);
+        const struct bench_environment_slopes k2 = bench_environment_slopes(csp,
             pan_angle + half * k1.pan_angle, pan_speed + half * k1.pan_speed,
             tilt_angle + half * k1.tilt_angle, tilt_speed + half * k1.tilt_speed, pan_voltage,
             tilt_voltage);
-        const struct bench_environment_slopes k3 = bench_environment_slopes(
+        const struct bench_environment_slopes k3 = bench_environment_slopes(csp,
             pan_angle + half * k2.pan_angle, pan_speed + half * k2.pan_speed,
             tilt_angle + half * k2.tilt_angle, tilt_speed + half * k2.tilt_speed, pan_voltage,
             tilt_voltage);
-        const struct bench_environment_slopes k4 = bench_environment_slopes(
+        const struct bench_environment_slopes k4 = bench_environment_slopes(csp,
             pan_angle + h * k3.pan_angle, pan_speed + h * k3.pan_speed,
             tilt_angle + h * k3.tilt_angle, tilt_speed + h * k3.tilt_speed, pan_voltage,
             tilt_voltage);
@@ -225,11 +227,11 @@ static bool bench_environment_advance(int64_t now)
             sixth * (k1.tilt_speed + 2.0 * k2.tilt_speed + 2.0 * k3.tilt_speed + k4.tilt_speed);
     }
     /* A sum is finite only if its terms are. */
-    if (csp_faulted() || !csp_is_finite(pan_angle + pan_speed + tilt_angle + tilt_speed)) {
-        csp_finite_at(pan_angle, "plant.csp:47");
-        csp_finite_at(pan_speed, "plant.csp:48");
-        csp_finite_at(tilt_angle, "plant.csp:47");
-        csp_finite_at(tilt_speed, "plant.csp:48");
+    if (csp_faulted(csp) || !csp_is_finite(pan_angle + pan_speed + tilt_angle + tilt_speed)) {
+        csp_finite_at(csp, pan_angle, "plant.csp:47");
+        csp_finite_at(csp, pan_speed, "plant.csp:48");
+        csp_finite_at(csp, tilt_angle, "plant.csp:47");
+        csp_finite_at(csp, tilt_speed, "plant.csp:48");
         CSP_CHECK_LAW("plant.csp:48");
     }
     plant.pan_angle = pan_angle;
@@ -237,7 +239,7 @@ static bool bench_environment_advance(int64_t now)
     plant.tilt_angle = tilt_angle;
     plant.tilt_speed = tilt_speed;
     plant.now = now;
-    return bench_environment_evaluate();
+    return bench_environment_evaluate(csp);
 }
 
 const struct network_drivers bench_environment_drivers = {

@@ -14,24 +14,24 @@ static const csp_branches jiwy_branches[] = {
     {.offset = offsetof(struct jiwy, vertical.process), .stride = 0U, .count = 1U, .level = 0U}
 };
 
-static csp_party *jiwy_step(csp_party *party)
+static csp_party *jiwy_step(csp_kernel *csp, csp_party *party)
 {
     struct jiwy *const self = CSP_ENCLOSING(party, struct jiwy, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         /* horizontal || vertical (jiwy.csp:157) */
-        CSP_AWAIT(csp_par(party, &self->parallel, jiwy_branches, 2U),
-            csp_par_again(party, &self->parallel), IN_PARALLEL, fails)
-        csp_observe_end(party->number);
-        return csp_end(party);
+        CSP_AWAIT(csp_par(csp, party, &self->parallel, jiwy_branches, 2U),
+            csp_par_again(csp, party, &self->parallel), IN_PARALLEL, fails)
+        csp_observe_end(csp, party->number);
+        return csp_end(csp, party);
     case FAILS:
     fails:
-        csp_unwind(party);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

@@ -27,17 +27,17 @@ enum {
  * for `dwell` although the controller drives with more than `effort`; `max` is where the joint
  * is. (jiwy.csp:39)
  */
-static bool joint_control_align_l_velocity_calculate(struct joint_control *self)
+static bool joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joint_control *self)
 {
     /* laws.csp:103 */
     const double difference = self->alignL_velocity_moving
-        ? csp_divide(self->alignL_velocity_feedback - self->alignL_velocity_last,
+        ? csp_divide(csp, self->alignL_velocity_feedback - self->alignL_velocity_last,
             self->alignL_velocity_sample)
         : 0.0;
     CSP_CHECK_LAW("laws.csp:103");
     /* laws.csp:104 */
     const double velocity = self->alignL_velocity_filtered
-        + csp_divide(self->alignL_velocity_sample, 0.02 + self->alignL_velocity_sample)
+        + csp_divide(csp, self->alignL_velocity_sample, 0.02 + self->alignL_velocity_sample)
             * (difference - self->alignL_velocity_filtered);
     CSP_CHECK_LAW("laws.csp:104");
     const double error = -1.0 - velocity; /* laws.csp:105 */
@@ -57,10 +57,10 @@ static bool joint_control_align_l_velocity_calculate(struct joint_control *self)
     const double pressed_next = held; /* laws.csp:117 */
     /* A sum is finite only if its terms are. */
     if (!csp_is_finite(self->alignL_velocity_control + filtered_next + ui_next + pressed_next)) {
-        csp_finite_at(self->alignL_velocity_control, "laws.csp:109");
-        csp_finite_at(filtered_next, "laws.csp:112");
-        csp_finite_at(ui_next, "laws.csp:113");
-        csp_finite_at(pressed_next, "laws.csp:117");
+        csp_finite_at(csp, self->alignL_velocity_control, "laws.csp:109");
+        csp_finite_at(csp, filtered_next, "laws.csp:112");
+        csp_finite_at(csp, ui_next, "laws.csp:113");
+        csp_finite_at(csp, pressed_next, "laws.csp:117");
         CSP_CHECK_LAW("laws.csp:117");
     }
     self->alignL_velocity_moving = true; /* laws.csp:110 */
@@ -76,17 +76,17 @@ static bool joint_control_align_l_velocity_calculate(struct joint_control *self)
  * for `dwell` although the controller drives with more than `effort`; `max` is where the joint
  * is. (jiwy.csp:39)
  */
-static bool joint_control_align_r_velocity_calculate(struct joint_control *self)
+static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joint_control *self)
 {
     /* laws.csp:103 */
     const double difference = self->alignR_velocity_moving
-        ? csp_divide(self->alignR_velocity_feedback - self->alignR_velocity_last,
+        ? csp_divide(csp, self->alignR_velocity_feedback - self->alignR_velocity_last,
             self->alignR_velocity_sample)
         : 0.0;
     CSP_CHECK_LAW("laws.csp:103");
     /* laws.csp:104 */
     const double velocity = self->alignR_velocity_filtered
-        + csp_divide(self->alignR_velocity_sample, 0.02 + self->alignR_velocity_sample)
+        + csp_divide(csp, self->alignR_velocity_sample, 0.02 + self->alignR_velocity_sample)
             * (difference - self->alignR_velocity_filtered);
     CSP_CHECK_LAW("laws.csp:104");
     const double error = 1.0 - velocity; /* laws.csp:105 */
@@ -106,10 +106,10 @@ static bool joint_control_align_r_velocity_calculate(struct joint_control *self)
     const double pressed_next = held; /* laws.csp:117 */
     /* A sum is finite only if its terms are. */
     if (!csp_is_finite(self->alignR_velocity_control + filtered_next + ui_next + pressed_next)) {
-        csp_finite_at(self->alignR_velocity_control, "laws.csp:109");
-        csp_finite_at(filtered_next, "laws.csp:112");
-        csp_finite_at(ui_next, "laws.csp:113");
-        csp_finite_at(pressed_next, "laws.csp:117");
+        csp_finite_at(csp, self->alignR_velocity_control, "laws.csp:109");
+        csp_finite_at(csp, filtered_next, "laws.csp:112");
+        csp_finite_at(csp, ui_next, "laws.csp:113");
+        csp_finite_at(csp, pressed_next, "laws.csp:117");
         CSP_CHECK_LAW("laws.csp:117");
     }
     self->alignR_velocity_moving = true; /* laws.csp:110 */
@@ -125,14 +125,15 @@ static bool joint_control_align_r_velocity_calculate(struct joint_control *self)
  * friction is added in the direction in which the profile moves. `stop` tells that the joint has
  * stood where it should for `dwell`. (jiwy.csp:68)
  */
-static bool joint_control_motion_control_servo_calculate(struct joint_control *self)
+static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
+    struct joint_control *self)
 {
     /* laws.csp:71 */
     const double centre =
         (self->motionControl_servo_leftmax + self->motionControl_servo_rightmax) / 2.0;
     /* laws.csp:72 */
-    self->motionControl_servo_reference = csp_real(csp_limit(
-            centre + 1.25 * self->motionControl_servo_setpoint,
+    self->motionControl_servo_reference = csp_real(csp,
+        csp_limit(centre + 1.25 * self->motionControl_servo_setpoint,
             self->motionControl_servo_leftmax + 0.05, self->motionControl_servo_rightmax - 0.05));
     CSP_CHECK_LAW("laws.csp:72");
     /* laws.csp:35 */
@@ -154,7 +155,8 @@ static bool joint_control_motion_control_servo_calculate(struct joint_control *s
             + self->motionControl_servo_sample * self->motionControl_servo_pid_kp * pid_error);
     /* laws.csp:16 */
     const double pid_i = self->motionControl_servo_pid_ui
-        + csp_divide(self->motionControl_servo_sample * pid_d, self->motionControl_servo_pid_tauI);
+        + csp_divide(csp, self->motionControl_servo_sample * pid_d,
+            self->motionControl_servo_pid_tauI);
     CSP_CHECK_LAW("laws.csp:16");
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
@@ -182,12 +184,12 @@ static bool joint_control_motion_control_servo_calculate(struct joint_control *s
                 + pid_ud_next
                 + pid_ui_next
                 + arrived_next)) {
-        csp_finite_at(self->motionControl_servo_control, "laws.csp:78");
-        csp_finite_at(profile_last_next, "laws.csp:39");
-        csp_finite_at(pid_e1_next, "laws.csp:20");
-        csp_finite_at(pid_ud_next, "laws.csp:21");
-        csp_finite_at(pid_ui_next, "laws.csp:22");
-        csp_finite_at(arrived_next, "laws.csp:81");
+        csp_finite_at(csp, self->motionControl_servo_control, "laws.csp:78");
+        csp_finite_at(csp, profile_last_next, "laws.csp:39");
+        csp_finite_at(csp, pid_e1_next, "laws.csp:20");
+        csp_finite_at(csp, pid_ud_next, "laws.csp:21");
+        csp_finite_at(csp, pid_ui_next, "laws.csp:22");
+        csp_finite_at(csp, arrived_next, "laws.csp:81");
         CSP_CHECK_LAW("laws.csp:81");
     }
     self->motionControl_servo_profile_moving = true; /* laws.csp:38 */
@@ -204,13 +206,14 @@ static bool joint_control_motion_control_servo_calculate(struct joint_control *s
  * friction is added in the direction in which the profile moves. `stop` tells that the joint has
  * stood where it should for `dwell`. (jiwy.csp:97)
  */
-static bool joint_control_homing_servo_calculate(struct joint_control *self)
+static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_control *self)
 {
     /* laws.csp:71 */
     const double centre = (self->homing_servo_leftmax + self->homing_servo_rightmax) / 2.0;
     /* laws.csp:72 */
-    self->homing_servo_reference = csp_real(csp_limit(centre + 0.0,
-            self->homing_servo_leftmax + 0.05, self->homing_servo_rightmax - 0.05));
+    self->homing_servo_reference = csp_real(csp,
+        csp_limit(centre + 0.0, self->homing_servo_leftmax + 0.05,
+            self->homing_servo_rightmax - 0.05));
     CSP_CHECK_LAW("laws.csp:72");
     /* laws.csp:35 */
     const double profile_from = self->homing_servo_profile_moving
@@ -230,7 +233,7 @@ static bool joint_control_homing_servo_calculate(struct joint_control *self)
             + self->homing_servo_sample * self->homing_servo_pid_kp * pid_error);
     /* laws.csp:16 */
     const double pid_i = self->homing_servo_pid_ui
-        + csp_divide(self->homing_servo_sample * pid_d, self->homing_servo_pid_tauI);
+        + csp_divide(csp, self->homing_servo_sample * pid_d, self->homing_servo_pid_tauI);
     CSP_CHECK_LAW("laws.csp:16");
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
@@ -258,12 +261,12 @@ static bool joint_control_homing_servo_calculate(struct joint_control *self)
                 + pid_ud_next
                 + pid_ui_next
                 + arrived_next)) {
-        csp_finite_at(self->homing_servo_control, "laws.csp:78");
-        csp_finite_at(profile_last_next, "laws.csp:39");
-        csp_finite_at(pid_e1_next, "laws.csp:20");
-        csp_finite_at(pid_ud_next, "laws.csp:21");
-        csp_finite_at(pid_ui_next, "laws.csp:22");
-        csp_finite_at(arrived_next, "laws.csp:81");
+        csp_finite_at(csp, self->homing_servo_control, "laws.csp:78");
+        csp_finite_at(csp, profile_last_next, "laws.csp:39");
+        csp_finite_at(csp, pid_e1_next, "laws.csp:20");
+        csp_finite_at(csp, pid_ud_next, "laws.csp:21");
+        csp_finite_at(csp, pid_ui_next, "laws.csp:22");
+        csp_finite_at(csp, arrived_next, "laws.csp:81");
         CSP_CHECK_LAW("laws.csp:81");
     }
     self->homing_servo_profile_moving = true; /* laws.csp:38 */
@@ -275,7 +278,7 @@ static bool joint_control_homing_servo_calculate(struct joint_control *self)
     return true;
 }
 
-static csp_party *joint_control_homing_run_servo_step(csp_party *party)
+static csp_party *joint_control_homing_run_servo_step(csp_kernel *csp, csp_party *party)
 {
     struct joint_control *const self =
         CSP_ENCLOSING(party, struct joint_control, homing_run_servo_branch);
@@ -285,31 +288,31 @@ static csp_party *joint_control_homing_run_servo_step(csp_party *party)
     case 0:
         do {
             /* PositionController (laws.csp:56) */
-            csp_require_written(&self->leftmax_written);
+            csp_require_written(csp, &self->leftmax_written);
             CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
             self->homing_servo_leftmax = self->leftmax;
-            csp_require_written(&self->rightmax_written);
+            csp_require_written(csp, &self->rightmax_written);
             CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
             self->homing_servo_rightmax = self->rightmax;
             CSP_TAKE(csp_sampled_read, &self->feedback_4, self->homing_servo_feedback,
                 HOMING_RUN_SERVO_READS_FEEDBACK, fails)
             /* homing.servo (jiwy.csp:97) */
-            (void)joint_control_homing_servo_calculate(self);
+            (void)joint_control_homing_servo_calculate(csp, self);
             CSP_FAULT_INSIDE("homing.servo", "jiwy.csp:97", fails);
             /* PositionController (laws.csp:56) */
             CSP_CHECK(fails)
-            csp_finite(self->homing_servo_control, self->control->name);
+            csp_finite(csp, self->homing_servo_control, self->control->name);
             CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
             (void)csp_latched_write(party, self->control, &self->homing_servo_control,
                 sizeof(self->homing_servo_control));
             self->homing_reference = self->homing_servo_reference;
             self->homing_stop = self->homing_servo_stop;
         } while (!self->homing_stop);
-        return csp_end(party);
+        return csp_end(csp, party);
     case HOMING_RUN_SERVO_FAILS:
     fails:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -339,7 +342,7 @@ static const csp_class joint_control_homing_run_servo_class = {
     .offset = offsetof(struct joint_control, homing_run_servo_branch)
 };
 
-static csp_party *joint_control_align_r_run_velocity_step(csp_party *party)
+static csp_party *joint_control_align_r_run_velocity_step(csp_kernel *csp, csp_party *party)
 {
     struct joint_control *const self =
         CSP_ENCLOSING(party, struct joint_control, alignR_run_velocity_branch);
@@ -352,11 +355,11 @@ static csp_party *joint_control_align_r_run_velocity_step(csp_party *party)
             CSP_TAKE(csp_sampled_read, &self->feedback_2, self->alignR_velocity_feedback,
                 ALIGN_R_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignR.velocity (jiwy.csp:39) */
-            (void)joint_control_align_r_velocity_calculate(self);
+            (void)joint_control_align_r_velocity_calculate(csp, self);
             CSP_FAULT_INSIDE("alignR.velocity", "jiwy.csp:39", fails);
             /* VelocityController (laws.csp:88) */
             CSP_CHECK(fails)
-            csp_finite(self->alignR_velocity_control, self->control->name);
+            csp_finite(csp, self->alignR_velocity_control, self->control->name);
             CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:88", fails);
             (void)csp_latched_write(party, self->control, &self->alignR_velocity_control,
                 sizeof(self->alignR_velocity_control));
@@ -364,11 +367,11 @@ static csp_party *joint_control_align_r_run_velocity_step(csp_party *party)
             self->rightmax_written.done = true;
             self->alignR_stop = self->alignR_velocity_stop;
         } while (!self->alignR_stop);
-        return csp_end(party);
+        return csp_end(csp, party);
     case ALIGN_R_RUN_VELOCITY_FAILS:
     fails:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -398,7 +401,7 @@ static const csp_class joint_control_align_r_run_velocity_class = {
     .offset = offsetof(struct joint_control, alignR_run_velocity_branch)
 };
 
-static csp_party *joint_control_align_l_run_velocity_step(csp_party *party)
+static csp_party *joint_control_align_l_run_velocity_step(csp_kernel *csp, csp_party *party)
 {
     struct joint_control *const self =
         CSP_ENCLOSING(party, struct joint_control, alignL_run_velocity_branch);
@@ -411,11 +414,11 @@ static csp_party *joint_control_align_l_run_velocity_step(csp_party *party)
             CSP_TAKE(csp_sampled_read, &self->feedback, self->alignL_velocity_feedback,
                 ALIGN_L_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignL.velocity (jiwy.csp:39) */
-            (void)joint_control_align_l_velocity_calculate(self);
+            (void)joint_control_align_l_velocity_calculate(csp, self);
             CSP_FAULT_INSIDE("alignL.velocity", "jiwy.csp:39", fails);
             /* VelocityController (laws.csp:88) */
             CSP_CHECK(fails)
-            csp_finite(self->alignL_velocity_control, self->control->name);
+            csp_finite(csp, self->alignL_velocity_control, self->control->name);
             CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:88", fails);
             (void)csp_latched_write(party, self->control, &self->alignL_velocity_control,
                 sizeof(self->alignL_velocity_control));
@@ -423,11 +426,11 @@ static csp_party *joint_control_align_l_run_velocity_step(csp_party *party)
             self->leftmax_written.done = true;
             self->alignL_stop = self->alignL_velocity_stop;
         } while (!self->alignL_stop);
-        return csp_end(party);
+        return csp_end(csp, party);
     case ALIGN_L_RUN_VELOCITY_FAILS:
     fails:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -457,25 +460,25 @@ static const csp_class joint_control_align_l_run_velocity_class = {
     .offset = offsetof(struct joint_control, alignL_run_velocity_branch)
 };
 
-static csp_party *joint_control_step(csp_party *party)
+static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
 {
     struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         /* alignL: Turns one joint at constant speed until it meets its end stop, and remembers
          * where that was. (jiwy.csp:129)
          */
-        csp_observe_begin(party->number + 1U);
+        csp_observe_begin(csp, party->number + 1U);
         /* (mu velocity until stop) interrupt after patience -> fail... (jiwy.csp:39) */
         csp_interrupt_prepare(&self->alignL_interrupt_run_velocity);
         csp_guard_after(&self->alignL_interrupt_run_velocity.alternative, 0U,
             &self->alignL_interrupt_run_velocity.timer);
         csp_delay(&self->alignL_interrupt_run_velocity.alternative, 0U, 10 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->alignL_interrupt_run_velocity),
-            csp_interruptible_again(party, &self->alignL_interrupt_run_velocity),
+        CSP_AWAIT(csp_interruptible(csp, party, &self->alignL_interrupt_run_velocity),
+            csp_interruptible_again(csp, party, &self->alignL_interrupt_run_velocity),
             ALIGN_L_INTERRUPTIBLE_RUN_VELOCITY, align_l_catches_timeout)
         if (self->alignL_interrupt_run_velocity.taken) {
             /* after patience (jiwy.csp:39) */
@@ -485,8 +488,8 @@ static csp_party *joint_control_step(csp_party *party)
         goto after_align_l_catches_timeout;
     case ALIGN_L_CATCHES_TIMEOUT:
     align_l_catches_timeout:
-        csp_unwind(party);
-        if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
+        csp_unwind(csp, party);
+        if (!csp_catch(csp, CSP_TIMEOUT_EXCEPTION)) {
             goto align_l_fails;
         }
         /* failed := true (jiwy.csp:39) */
@@ -499,30 +502,30 @@ static csp_party *joint_control_step(csp_party *party)
             sizeof(self->sent.control));
         if (self->alignL_failed) {
             /* raise ModeFailed (jiwy.csp:41) */
-            (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
-            csp.error.inner = "alignL";
+            (void)csp_raise(csp, party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
+            csp->error.inner = "alignL";
             goto align_l_fails;
         }
         csp_ends_close(&self->alignL_samples);
-        csp_observe_end(party->number + 1U);
+        csp_observe_end(csp, party->number + 1U);
         goto after_align_l_fails;
     align_l_fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->alignL_samples);
-        csp_observe_end(party->number + 1U);
+        csp_observe_end(csp, party->number + 1U);
         goto fails;
     after_align_l_fails:
         /* alignR: Turns one joint at constant speed until it meets its end stop, and remembers
          * where that was. (jiwy.csp:129)
          */
-        csp_observe_begin(party->number + 2U);
+        csp_observe_begin(csp, party->number + 2U);
         /* (mu velocity until stop) interrupt after patience -> fail... (jiwy.csp:39) */
         csp_interrupt_prepare(&self->alignR_interrupt_run_velocity);
         csp_guard_after(&self->alignR_interrupt_run_velocity.alternative, 0U,
             &self->alignR_interrupt_run_velocity.timer);
         csp_delay(&self->alignR_interrupt_run_velocity.alternative, 0U, 10 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->alignR_interrupt_run_velocity),
-            csp_interruptible_again(party, &self->alignR_interrupt_run_velocity),
+        CSP_AWAIT(csp_interruptible(csp, party, &self->alignR_interrupt_run_velocity),
+            csp_interruptible_again(csp, party, &self->alignR_interrupt_run_velocity),
             ALIGN_R_INTERRUPTIBLE_RUN_VELOCITY, align_r_catches_timeout)
         if (self->alignR_interrupt_run_velocity.taken) {
             /* after patience (jiwy.csp:39) */
@@ -532,8 +535,8 @@ static csp_party *joint_control_step(csp_party *party)
         goto after_align_r_catches_timeout;
     case ALIGN_R_CATCHES_TIMEOUT:
     align_r_catches_timeout:
-        csp_unwind(party);
-        if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
+        csp_unwind(csp, party);
+        if (!csp_catch(csp, CSP_TIMEOUT_EXCEPTION)) {
             goto align_r_fails;
         }
         /* failed := true (jiwy.csp:39) */
@@ -546,45 +549,45 @@ static csp_party *joint_control_step(csp_party *party)
             sizeof(self->sent.control));
         if (self->alignR_failed) {
             /* raise ModeFailed (jiwy.csp:41) */
-            (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
-            csp.error.inner = "alignR";
+            (void)csp_raise(csp, party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
+            csp->error.inner = "alignR";
             goto align_r_fails;
         }
         csp_ends_close(&self->alignR_samples);
-        csp_observe_end(party->number + 2U);
+        csp_observe_end(csp, party->number + 2U);
         goto after_align_r_fails;
     align_r_fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->alignR_samples);
-        csp_observe_end(party->number + 2U);
+        csp_observe_end(csp, party->number + 2U);
         goto fails;
     after_align_r_fails:
         /* motionControl: Servo that follows the joystick until the stop button is pressed, then
          * releases the motor. (jiwy.csp:129)
          */
-        csp_observe_begin(party->number + 3U);
+        csp_observe_begin(csp, party->number + 3U);
         do {
             /* joystick_buttons ? status -> skip []> feedback -> servo (jiwy.csp:68) */
-            CSP_AWAIT(csp_select(party, &self->motionControl_choice.alternative),
-                csp_select_again(party, &self->motionControl_choice.alternative),
+            CSP_AWAIT(csp_select(csp, party, &self->motionControl_choice.alternative),
+                csp_select_again(csp, party, &self->motionControl_choice.alternative),
                 MOTION_CONTROL_CHOOSES, motion_control_catches_timeout)
             /* joystick_buttons ? status (jiwy.csp:68) */
             if (self->motionControl_choice.alternative.chosen != 0U) {
                 /* feedback (jiwy.csp:68) */
                 /* PositionController (laws.csp:56) */
-                if (csp_offers_begin(party, &self->offers) == CSP_FAILS) {
+                if (csp_offers_begin(csp, party, &self->offers) == CSP_FAILS) {
                     goto motion_control_catches_timeout;
                 }
-                csp_require_written(&self->leftmax_written);
-                if (csp_faulted()) {
-                    csp_offers_give_up(&self->offers);
+                csp_require_written(csp, &self->leftmax_written);
+                if (csp_faulted(csp)) {
+                    csp_offers_give_up(csp, &self->offers);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
                         motion_control_catches_timeout);
                 }
                 self->motionControl_servo_leftmax = self->leftmax;
-                csp_require_written(&self->rightmax_written);
-                if (csp_faulted()) {
-                    csp_offers_give_up(&self->offers);
+                csp_require_written(csp, &self->rightmax_written);
+                if (csp_faulted(csp)) {
+                    csp_offers_give_up(csp, &self->offers);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
                         motion_control_catches_timeout);
                 }
@@ -598,12 +601,12 @@ static csp_party *joint_control_step(csp_party *party)
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
                     MOTION_CONTROL_READS_INPUTS, motion_control_catches_timeout)
                 /* motionControl.servo (jiwy.csp:68) */
-                (void)joint_control_motion_control_servo_calculate(self);
+                (void)joint_control_motion_control_servo_calculate(csp, self);
                 CSP_FAULT_INSIDE("motionControl.servo", "jiwy.csp:68",
                     motion_control_catches_timeout);
                 /* PositionController (laws.csp:56) */
                 CSP_CHECK(motion_control_catches_timeout)
-                csp_finite(self->motionControl_servo_control, self->control->name);
+                csp_finite(csp, self->motionControl_servo_control, self->control->name);
                 CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
                     motion_control_catches_timeout);
                 (void)csp_latched_write(party, self->control, &self->motionControl_servo_control,
@@ -614,8 +617,8 @@ static csp_party *joint_control_step(csp_party *party)
         goto after_motion_control_catches_timeout;
     case MOTION_CONTROL_CATCHES_TIMEOUT:
     motion_control_catches_timeout:
-        csp_unwind(party);
-        if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
+        csp_unwind(csp, party);
+        if (!csp_catch(csp, CSP_TIMEOUT_EXCEPTION)) {
             goto motion_control_fails;
         }
         /* failed := true (jiwy.csp:69) */
@@ -628,37 +631,37 @@ static csp_party *joint_control_step(csp_party *party)
             sizeof(self->sent.control));
         if (self->motionControl_failed) {
             /* raise ModeFailed (jiwy.csp:71) */
-            (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:71");
-            csp.error.inner = "motionControl";
+            (void)csp_raise(csp, party, EXCEPTION_MODE_FAILED, "jiwy.csp:71");
+            csp->error.inner = "motionControl";
             goto motion_control_fails;
         }
         csp_ends_close(&self->motionControl_samples);
-        csp_observe_end(party->number + 3U);
+        csp_observe_end(csp, party->number + 3U);
         goto after_motion_control_fails;
     motion_control_fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->motionControl_samples);
-        csp_observe_end(party->number + 3U);
+        csp_observe_end(csp, party->number + 3U);
         goto fails;
     after_motion_control_fails:
         /* homing: Servo back to the centre; there, or where its patience ends, the motor is
          * released. (jiwy.csp:129)
          */
-        csp_observe_begin(party->number + 4U);
+        csp_observe_begin(csp, party->number + 4U);
         /* (mu servo until stop) interrupt after patience -> skip (jiwy.csp:97) */
         csp_interrupt_prepare(&self->homing_interrupt_run_servo);
         csp_guard_after(&self->homing_interrupt_run_servo.alternative, 0U,
             &self->homing_interrupt_run_servo.timer);
         csp_delay(&self->homing_interrupt_run_servo.alternative, 0U, 3 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->homing_interrupt_run_servo),
-            csp_interruptible_again(party, &self->homing_interrupt_run_servo),
+        CSP_AWAIT(csp_interruptible(csp, party, &self->homing_interrupt_run_servo),
+            csp_interruptible_again(csp, party, &self->homing_interrupt_run_servo),
             HOMING_INTERRUPTIBLE_RUN_SERVO, homing_catches_timeout)
         /* after patience (jiwy.csp:97) */
         goto after_homing_catches_timeout;
     case HOMING_CATCHES_TIMEOUT:
     homing_catches_timeout:
-        csp_unwind(party);
-        if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
+        csp_unwind(csp, party);
+        if (!csp_catch(csp, CSP_TIMEOUT_EXCEPTION)) {
             goto homing_fails;
         }
         /* failed := true (jiwy.csp:97) */
@@ -671,25 +674,25 @@ static csp_party *joint_control_step(csp_party *party)
             sizeof(self->sent.control));
         if (self->homing_failed) {
             /* raise ModeFailed (jiwy.csp:99) */
-            (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:99");
-            csp.error.inner = "homing";
+            (void)csp_raise(csp, party, EXCEPTION_MODE_FAILED, "jiwy.csp:99");
+            csp->error.inner = "homing";
             goto homing_fails;
         }
         csp_ends_close(&self->homing_samples);
-        csp_observe_end(party->number + 4U);
+        csp_observe_end(csp, party->number + 4U);
         goto after_homing_fails;
     homing_fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->homing_samples);
-        csp_observe_end(party->number + 4U);
+        csp_observe_end(csp, party->number + 4U);
         goto fails;
     after_homing_fails:
-        csp_observe_end(party->number);
-        return csp_end(party);
+        csp_observe_end(csp, party->number);
+        return csp_end(csp, party);
     fails:
-        csp_unwind(party);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -765,6 +768,7 @@ static const csp_class joint_control_class = {
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     const struct joint_control_ports *ports, int64_t T, struct servo_gains gains, double alignKp)
 {
+    csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &joint_control_class, numbers->process);
     numbers->process += 5U;
     self->gains = gains;
@@ -784,7 +788,7 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     self->motionControl_servo_sample = csp_seconds(T);
     self->motionControl_servo_pid_tauD = csp_seconds(gains.tauD);
     self->motionControl_servo_pid_beta = gains.beta;
-    self->motionControl_servo_pid_f = csp_divide(1.0,
+    self->motionControl_servo_pid_f = csp_divide(csp, 1.0,
         self->motionControl_servo_sample
             + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_beta);
     self->motionControl_servo_pid_kp = gains.kp;
@@ -792,7 +796,7 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     self->homing_servo_sample = csp_seconds(T);
     self->homing_servo_pid_tauD = csp_seconds(gains.tauD);
     self->homing_servo_pid_beta = gains.beta;
-    self->homing_servo_pid_f = csp_divide(1.0,
+    self->homing_servo_pid_f = csp_divide(csp, 1.0,
         self->homing_servo_sample + self->homing_servo_pid_tauD * self->homing_servo_pid_beta);
     self->homing_servo_pid_kp = gains.kp;
     self->homing_servo_pid_tauI = csp_seconds(gains.tauI);

@@ -58,16 +58,9 @@ typedef int network_has_no_names;
 #endif
 
 /* Variables that may be read before they were written. */
-static const char *const variable_names[] = {
+const char *const network_variable_names[] = {
     "Jiwy.horizontal.leftmax",
     "Jiwy.horizontal.rightmax",
     "Jiwy.vertical.leftmax",
     "Jiwy.vertical.rightmax",
 };
-
-void csp_require_written(const csp_written *written)
-{
-    if ((written != NULL) && !written->done) {
-        csp_not_written(variable_names[written->number]);
-    }
-}

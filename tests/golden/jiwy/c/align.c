@@ -11,7 +11,7 @@ enum {
     REPEAT_VELOCITY_FAILS
 };
 
-static csp_party *align_repeat_velocity_step(csp_party *party)
+static csp_party *align_repeat_velocity_step(csp_kernel *csp, csp_party *party)
 {
     struct align *const self = CSP_ENCLOSING(party, struct align, repeat_velocity_branch);
     csp_progress progress;
@@ -22,10 +22,10 @@ static csp_party *align_repeat_velocity_step(csp_party *party)
             /* velocity (jiwy.csp:39) */
             CSP_TAKE(csp_sampled_read, &self->feedback, self->velocity.feedback,
                 REPEAT_VELOCITY_READS_FEEDBACK, fails)
-            (void)velocity_controller_calculate(&self->velocity);
+            (void)velocity_controller_calculate(csp, &self->velocity);
             CSP_FAULT_INSIDE("velocity", "laws.csp:88", fails);
             CSP_CHECK(fails)
-            csp_finite(self->velocity.control, self->control->name);
+            csp_finite(csp, self->velocity.control, self->control->name);
             CSP_FAULT_INSIDE("velocity", "laws.csp:88", fails);
             (void)csp_latched_write(party, self->control, &self->velocity.control,
                 sizeof(self->velocity.control));
@@ -35,17 +35,17 @@ static csp_party *align_repeat_velocity_step(csp_party *party)
             }
             self->stop = self->velocity.stop;
             self->stop_written.done = true;
-            csp_require_written(&self->stop_written);
+            csp_require_written(csp, &self->stop_written);
             CSP_FAULT("jiwy.csp:39", fails);
             if (self->stop) {
                 break;
             }
         }
-        return csp_end(party);
+        return csp_end(csp, party);
     case REPEAT_VELOCITY_FAILS:
     fails:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -75,21 +75,21 @@ static const csp_class align_repeat_velocity_class = {
     .offset = offsetof(struct align, repeat_velocity_branch)
 };
 
-static csp_party *align_step(csp_party *party)
+static csp_party *align_step(csp_kernel *csp, csp_party *party)
 {
     struct align *const self = CSP_ENCLOSING(party, struct align, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         /* (mu velocity until stop) interrupt after patience -> fail... (jiwy.csp:39) */
         csp_interrupt_prepare(&self->interrupt_repeat_velocity);
         csp_guard_after(&self->interrupt_repeat_velocity.alternative, 0U,
             &self->interrupt_repeat_velocity.timer);
         csp_delay(&self->interrupt_repeat_velocity.alternative, 0U, self->patience);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_velocity),
-            csp_interruptible_again(party, &self->interrupt_repeat_velocity),
+        CSP_AWAIT(csp_interruptible(csp, party, &self->interrupt_repeat_velocity),
+            csp_interruptible_again(csp, party, &self->interrupt_repeat_velocity),
             INTERRUPTIBLE_REPEAT_VELOCITY, catches_timeout)
         if (self->interrupt_repeat_velocity.taken) {
             /* after patience (jiwy.csp:39) */
@@ -99,8 +99,8 @@ static csp_party *align_step(csp_party *party)
         goto after_catches_timeout;
     case CATCHES_TIMEOUT:
     catches_timeout:
-        csp_unwind(party);
-        if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
+        csp_unwind(csp, party);
+        if (!csp_catch(csp, CSP_TIMEOUT_EXCEPTION)) {
             goto fails;
         }
         /* failed := true (jiwy.csp:39) */
@@ -113,17 +113,17 @@ static csp_party *align_step(csp_party *party)
             sizeof(self->sent.control));
         if (self->failed) {
             /* raise ModeFailed (jiwy.csp:41) */
-            (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
+            (void)csp_raise(csp, party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
             goto fails;
         }
         csp_ends_close(&self->samples);
-        csp_observe_end(party->number);
-        return csp_end(party);
+        csp_observe_end(csp, party->number);
+        return csp_end(csp, party);
     fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->samples);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

@@ -11,7 +11,7 @@ enum {
     REPEAT_SERVO_FAILS
 };
 
-static csp_party *homing_repeat_servo_step(csp_party *party)
+static csp_party *homing_repeat_servo_step(csp_kernel *csp, csp_party *party)
 {
     struct homing *const self = CSP_ENCLOSING(party, struct homing, repeat_servo_branch);
     csp_progress progress;
@@ -20,19 +20,19 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
     case 0:
         for (;;) {
             /* servo (jiwy.csp:97) */
-            csp_require_written(self->leftmax_written);
+            csp_require_written(csp, self->leftmax_written);
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
             self->servo.leftmax = *self->leftmax;
-            csp_require_written(self->rightmax_written);
+            csp_require_written(csp, self->rightmax_written);
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
             self->servo.rightmax = *self->rightmax;
             self->servo.setpoint = self->zero;
             CSP_TAKE(csp_sampled_read, &self->feedback, self->servo.feedback,
                 REPEAT_SERVO_READS_FEEDBACK, fails)
-            (void)position_controller_calculate(&self->servo);
+            (void)position_controller_calculate(csp, &self->servo);
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
             CSP_CHECK(fails)
-            csp_finite(self->servo.control, self->control->name);
+            csp_finite(csp, self->servo.control, self->control->name);
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
             (void)csp_latched_write(party, self->control, &self->servo.control,
                 sizeof(self->servo.control));
@@ -40,17 +40,17 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
             self->reference_written.done = true;
             self->stop = self->servo.stop;
             self->stop_written.done = true;
-            csp_require_written(&self->stop_written);
+            csp_require_written(csp, &self->stop_written);
             CSP_FAULT("jiwy.csp:97", fails);
             if (self->stop) {
                 break;
             }
         }
-        return csp_end(party);
+        return csp_end(csp, party);
     case REPEAT_SERVO_FAILS:
     fails:
-        csp_unwind(party);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -80,28 +80,28 @@ static const csp_class homing_repeat_servo_class = {
     .offset = offsetof(struct homing, repeat_servo_branch)
 };
 
-static csp_party *homing_step(csp_party *party)
+static csp_party *homing_step(csp_kernel *csp, csp_party *party)
 {
     struct homing *const self = CSP_ENCLOSING(party, struct homing, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         /* (mu servo until stop) interrupt after patience -> skip (jiwy.csp:97) */
         csp_interrupt_prepare(&self->interrupt_repeat_servo);
         csp_guard_after(&self->interrupt_repeat_servo.alternative, 0U,
             &self->interrupt_repeat_servo.timer);
         csp_delay(&self->interrupt_repeat_servo.alternative, 0U, self->patience);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_servo),
-            csp_interruptible_again(party, &self->interrupt_repeat_servo),
+        CSP_AWAIT(csp_interruptible(csp, party, &self->interrupt_repeat_servo),
+            csp_interruptible_again(csp, party, &self->interrupt_repeat_servo),
             INTERRUPTIBLE_REPEAT_SERVO, catches_timeout)
         /* after patience (jiwy.csp:97) */
         goto after_catches_timeout;
     case CATCHES_TIMEOUT:
     catches_timeout:
-        csp_unwind(party);
-        if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
+        csp_unwind(csp, party);
+        if (!csp_catch(csp, CSP_TIMEOUT_EXCEPTION)) {
             goto fails;
         }
         /* failed := true (jiwy.csp:97) */
@@ -114,17 +114,17 @@ static csp_party *homing_step(csp_party *party)
             sizeof(self->sent.control));
         if (self->failed) {
             /* raise ModeFailed (jiwy.csp:99) */
-            (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:99");
+            (void)csp_raise(csp, party, EXCEPTION_MODE_FAILED, "jiwy.csp:99");
             goto fails;
         }
         csp_ends_close(&self->samples);
-        csp_observe_end(party->number);
-        return csp_end(party);
+        csp_observe_end(csp, party->number);
+        return csp_end(csp, party);
     fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->samples);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -156,6 +156,7 @@ static const csp_class homing_class = {
 void homing_initialize(struct homing *self, csp_numbers *numbers, const struct homing_ports *ports,
     int64_t T, struct servo_gains gains, int64_t patience)
 {
+    csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &homing_class, numbers->process);
     numbers->process++;
     self->patience = patience;
@@ -171,8 +172,8 @@ void homing_initialize(struct homing *self, csp_numbers *numbers, const struct h
     self->reference_written.number = numbers->variable;
     numbers->variable++;
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
-    position_controller_initialize(&self->servo, gains, 0.0, 6.0, 50 * CSP_MS, 100 * CSP_MS, 0.05,
-        csp_seconds(T));
+    position_controller_initialize(csp, &self->servo, gains, 0.0, 6.0, 50 * CSP_MS, 100 * CSP_MS,
+        0.05, csp_seconds(T));
     csp_process_init(&self->repeat_servo_branch, &homing_repeat_servo_class,
         self->process.party.number);
     csp_interrupt_init(&self->interrupt_repeat_servo,

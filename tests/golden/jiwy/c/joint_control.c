@@ -12,13 +12,13 @@ enum {
     FAILS
 };
 
-static csp_party *joint_control_step(csp_party *party)
+static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
 {
     struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, process);
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         /* alignL (jiwy.csp:129) */
         CSP_CALL(&self->alignL.process, RUNS_ALIGN_L)
         /* alignR (jiwy.csp:129) */
@@ -27,12 +27,12 @@ static csp_party *joint_control_step(csp_party *party)
         CSP_CALL(&self->motionControl.process, RUNS_MOTION_CONTROL)
         /* homing (jiwy.csp:129) */
         CSP_CALL(&self->homing.process, RUNS_HOMING)
-        csp_observe_end(party->number);
-        return csp_end(party);
+        csp_observe_end(csp, party->number);
+        return csp_end(csp, party);
     case FAILS:
-        csp_unwind(party);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_unwind(csp, party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }

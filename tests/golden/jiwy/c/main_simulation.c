@@ -4,14 +4,16 @@
 #include "bench_environment.h"
 #include "worn_environment.h"
 
+static struct network network;
+
 static void connect_bench_environment(void)
 {
-    network_initialize(&bench_environment_drivers);
+    network_initialize(&network, &bench_environment_drivers, csp_port_hooks());
 }
 
 static void connect_worn_environment(void)
 {
-    network_initialize(&worn_environment_drivers);
+    network_initialize(&network, &worn_environment_drivers, csp_port_hooks());
 }
 
 static const csp_scenario scenarios[] = {
@@ -31,5 +33,5 @@ int main(int count, char **options)
 {
     const csp_names names = NAMES;
     const uint32_t scenario_count = (uint32_t)(sizeof scenarios / sizeof scenarios[0]);
-    return csp_simulate(count, options, &network_program, &names, scenarios, scenario_count);
+    return csp_simulate(count, options, &network.kernel, &names, scenarios, scenario_count);
 }

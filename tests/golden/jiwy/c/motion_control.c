@@ -10,34 +10,34 @@ enum {
     CATCHES_TIMEOUT
 };
 
-static csp_party *motion_control_step(csp_party *party)
+static csp_party *motion_control_step(csp_kernel *csp, csp_party *party)
 {
     struct motion_control *const self = CSP_ENCLOSING(party, struct motion_control, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
-        csp_observe_begin(party->number);
+        csp_observe_begin(csp, party->number);
         do {
             /* joystick_buttons ? status -> skip []> feedback -> servo (jiwy.csp:68) */
-            CSP_AWAIT(csp_select(party, &self->choice.alternative),
-                csp_select_again(party, &self->choice.alternative), CHOOSES, catches_timeout)
+            CSP_AWAIT(csp_select(csp, party, &self->choice.alternative),
+                csp_select_again(csp, party, &self->choice.alternative), CHOOSES, catches_timeout)
             /* joystick_buttons ? status (jiwy.csp:68) */
             if (self->choice.alternative.chosen != 0U) {
                 /* feedback (jiwy.csp:68) */
                 /* servo (jiwy.csp:68) */
-                if (csp_offers_begin(party, &self->offers) == CSP_FAILS) {
+                if (csp_offers_begin(csp, party, &self->offers) == CSP_FAILS) {
                     goto catches_timeout;
                 }
-                csp_require_written(self->leftmax_written);
-                if (csp_faulted()) {
-                    csp_offers_give_up(&self->offers);
+                csp_require_written(csp, self->leftmax_written);
+                if (csp_faulted(csp)) {
+                    csp_offers_give_up(csp, &self->offers);
                     CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
                 }
                 self->servo.leftmax = *self->leftmax;
-                csp_require_written(self->rightmax_written);
-                if (csp_faulted()) {
-                    csp_offers_give_up(&self->offers);
+                csp_require_written(csp, self->rightmax_written);
+                if (csp_faulted(csp)) {
+                    csp_offers_give_up(csp, &self->offers);
                     CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
                 }
                 self->servo.rightmax = *self->rightmax;
@@ -47,10 +47,10 @@ static csp_party *motion_control_step(csp_party *party)
                     self->servo.setpoint, READS_SERVO, catches_timeout)
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
                     READS_SERVO, catches_timeout)
-                (void)position_controller_calculate(&self->servo);
+                (void)position_controller_calculate(csp, &self->servo);
                 CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
                 CSP_CHECK(catches_timeout)
-                csp_finite(self->servo.control, self->control->name);
+                csp_finite(csp, self->servo.control, self->control->name);
                 CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
                 (void)csp_latched_write(party, self->control, &self->servo.control,
                     sizeof(self->servo.control));
@@ -61,8 +61,8 @@ static csp_party *motion_control_step(csp_party *party)
         goto after_catches_timeout;
     case CATCHES_TIMEOUT:
     catches_timeout:
-        csp_unwind(party);
-        if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
+        csp_unwind(csp, party);
+        if (!csp_catch(csp, CSP_TIMEOUT_EXCEPTION)) {
             goto fails;
         }
         /* failed := true (jiwy.csp:69) */
@@ -75,17 +75,17 @@ static csp_party *motion_control_step(csp_party *party)
             sizeof(self->sent.control));
         if (self->failed) {
             /* raise ModeFailed (jiwy.csp:71) */
-            (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:71");
+            (void)csp_raise(csp, party, EXCEPTION_MODE_FAILED, "jiwy.csp:71");
             goto fails;
         }
         csp_ends_close(&self->samples);
-        csp_observe_end(party->number);
-        return csp_end(party);
+        csp_observe_end(csp, party->number);
+        return csp_end(csp, party);
     fails:
-        csp_unwind(party);
+        csp_unwind(csp, party);
         csp_ends_close(&self->samples);
-        csp_observe_end(party->number);
-        return csp_fail(party);
+        csp_observe_end(csp, party->number);
+        return csp_fail(csp, party);
     default:
         return NULL;
     }
@@ -124,6 +124,7 @@ static const csp_class motion_control_class = {
 void motion_control_initialize(struct motion_control *self, csp_numbers *numbers,
     const struct motion_control_ports *ports, int64_t T, struct servo_gains gains, double reach)
 {
+    csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &motion_control_class, numbers->process);
     numbers->process++;
     self->leftmax = ports->leftmax;
@@ -140,8 +141,8 @@ void motion_control_initialize(struct motion_control *self, csp_numbers *numbers
         csp_event_reader(&self->joystick_buttons_latch, ports->joystick_buttons);
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     csp_sampled_end_init(&self->joystick_axis, ports->joystick_axis, &self->samples);
-    position_controller_initialize(&self->servo, gains, reach, 6.0, 50 * CSP_MS, 100 * CSP_MS, 0.05,
-        csp_seconds(T));
+    position_controller_initialize(csp, &self->servo, gains, reach, 6.0, 50 * CSP_MS, 100 * CSP_MS,
+        0.05, csp_seconds(T));
     csp_alternative_init(&self->choice.alternative, self->choice.guards, 2U, NULL, true);
     csp_guard_read(&self->choice.alternative, 0U, &self->joystick_buttons->medium, &self->status,
         sizeof(self->status));

@@ -3,7 +3,35 @@
 #define NETWORK_H
 
 #include "csp.h"
+#include "jiwy.h"
 #include "types.h"
+
+/* All memory of the program. */
+struct network {
+    csp_kernel kernel;
+    struct jiwy top; /* the outermost process, with all others inside */
+    struct {
+        csp_sampled_input joystick_horizontal;
+        csp_sampled_input joystick_vertical;
+        csp_event_input joystick_buttons;
+        csp_sampled_input feedback_horizontal;
+        csp_sampled_input feedback_vertical;
+        csp_latched_output control_horizontal;
+        csp_latched_output control_vertical;
+    } external;
+    struct {
+        double joystick_horizontal;
+        double joystick_vertical;
+        int64_t joystick_buttons;
+        double feedback_horizontal;
+        double feedback_vertical;
+        double control_horizontal;
+        double control_vertical;
+    } present;
+    struct {
+        int64_t joystick_buttons;
+    } brought; /* by interrupt handlers */
+};
 
 /* A device or a simulated one for every port. */
 struct network_drivers {
@@ -23,13 +51,17 @@ struct network_drivers {
     csp_driver control_vertical;
 };
 
-/* Builds the network, before each run. */
-void network_initialize(const struct network_drivers *drivers);
+/* Builds the network, before each run; csp_build says what the hooks are. */
+void network_initialize(struct network *self, const struct network_drivers *drivers,
+    const csp_hooks *hooks);
 
 /* An interrupt handler brings an event: the latest value counts. */
-void network_bring_joystick_buttons(int64_t value);
+void network_bring_joystick_buttons(struct network *self, int64_t value);
 
 extern const csp_program network_program;
+
+/* By number: variables that may be read before they were written. */
+extern const char *const network_variable_names[];
 
 #if CSP_TRACE
 /* By number: channels and ports, and the sizes of their values; processes and groups. */

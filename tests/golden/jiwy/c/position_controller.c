@@ -4,8 +4,9 @@
 #include "constants.h"
 #include "csp_arithmetic.h"
 
-void position_controller_initialize(struct position_controller *self, struct servo_gains gains,
-    double reach, double rate, int64_t smoothing, int64_t dwell, double margin, double sample)
+void position_controller_initialize(csp_kernel *csp, struct position_controller *self,
+    struct servo_gains gains, double reach, double rate, int64_t smoothing, int64_t dwell,
+    double margin, double sample)
 {
     self->gains = gains;
     self->reach = reach;
@@ -16,8 +17,8 @@ void position_controller_initialize(struct position_controller *self, struct ser
     self->sample = sample;
     self->pid_tauD = csp_seconds(gains.tauD); /* laws.csp:6 */
     self->pid_beta = gains.beta; /* laws.csp:6 */
-    self->pid_f = csp_divide(1.0, sample + self->pid_tauD * self->pid_beta); /* laws.csp:14 */
-    csp_fault_in("laws.csp:14");
+    self->pid_f = csp_divide(csp, 1.0, sample + self->pid_tauD * self->pid_beta); /* laws.csp:14 */
+    csp_fault_in(csp, "laws.csp:14");
     self->pid_kp = gains.kp; /* laws.csp:6 */
     self->pid_tauI = csp_seconds(gains.tauI); /* laws.csp:6 */
     position_controller_reset(self);
@@ -33,12 +34,13 @@ void position_controller_reset(struct position_controller *self)
     self->arrived = 0.0;
 }
 
-bool position_controller_calculate(struct position_controller *self)
+bool position_controller_calculate(csp_kernel *csp, struct position_controller *self)
 {
     const double centre = (self->leftmax + self->rightmax) / 2.0; /* laws.csp:71 */
     /* laws.csp:72 */
-    self->reference = csp_real(csp_limit(centre + self->reach * self->setpoint,
-            self->leftmax + self->margin, self->rightmax - self->margin));
+    self->reference = csp_real(csp,
+        csp_limit(centre + self->reach * self->setpoint, self->leftmax + self->margin,
+            self->rightmax - self->margin));
     CSP_CHECK_LAW("laws.csp:72");
     const double profile_start = self->feedback; /* laws.csp:73 */
     /* laws.csp:35 */
@@ -46,7 +48,7 @@ bool position_controller_calculate(struct position_controller *self)
     const double profile_target = self->reference; /* laws.csp:74 */
     /* laws.csp:36 */
     const double profile_velocity = csp_limit(
-        csp_divide(profile_target - profile_from, self->smoothing), -self->rate, self->rate);
+        csp_divide(csp, profile_target - profile_from, self->smoothing), -self->rate, self->rate);
     CSP_CHECK_LAW("laws.csp:36");
     const double profile_angle = profile_from + self->sample * profile_velocity; /* laws.csp:37 */
     const double pid_error = profile_angle - self->feedback; /* laws.csp:75 */
@@ -56,7 +58,7 @@ bool position_controller_calculate(struct position_controller *self)
             + self->pid_tauD * self->pid_kp * (pid_error - self->pid_e1)
             + self->sample * self->pid_kp * pid_error);
     /* laws.csp:16 */
-    const double pid_i = self->pid_ui + csp_divide(self->sample * pid_d, self->pid_tauI);
+    const double pid_i = self->pid_ui + csp_divide(csp, self->sample * pid_d, self->pid_tauI);
     CSP_CHECK_LAW("laws.csp:16");
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
@@ -81,12 +83,12 @@ bool position_controller_calculate(struct position_controller *self)
                 + pid_ud_next
                 + pid_ui_next
                 + arrived_next)) {
-        csp_finite_at(self->control, "laws.csp:78");
-        csp_finite_at(profile_last_next, "laws.csp:39");
-        csp_finite_at(pid_e1_next, "laws.csp:20");
-        csp_finite_at(pid_ud_next, "laws.csp:21");
-        csp_finite_at(pid_ui_next, "laws.csp:22");
-        csp_finite_at(arrived_next, "laws.csp:81");
+        csp_finite_at(csp, self->control, "laws.csp:78");
+        csp_finite_at(csp, profile_last_next, "laws.csp:39");
+        csp_finite_at(csp, pid_e1_next, "laws.csp:20");
+        csp_finite_at(csp, pid_ud_next, "laws.csp:21");
+        csp_finite_at(csp, pid_ui_next, "laws.csp:22");
+        csp_finite_at(csp, arrived_next, "laws.csp:81");
         CSP_CHECK_LAW("laws.csp:81");
     }
     self->profile_moving = true; /* laws.csp:38 */

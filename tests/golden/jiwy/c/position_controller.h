@@ -8,6 +8,7 @@
 #ifndef POSITION_CONTROLLER_H
 #define POSITION_CONTROLLER_H
 
+#include "csp_core.h"
 #include "types.h"
 
 struct position_controller {
@@ -43,11 +44,12 @@ struct position_controller {
 };
 
 /* Before the first run; durations are in nanoseconds. */
-void position_controller_initialize(struct position_controller *self, struct servo_gains gains,
-    double reach, double rate, int64_t smoothing, int64_t dwell, double margin, double sample);
+void position_controller_initialize(csp_kernel *csp, struct position_controller *self,
+    struct servo_gains gains, double reach, double rate, int64_t smoothing, int64_t dwell,
+    double margin, double sample);
 /* Puts the states back to their initial values. */
 void position_controller_reset(struct position_controller *self);
-/* One run, from inputs to outputs and next states; false after a fault (csp_fault). */
-bool position_controller_calculate(struct position_controller *self);
+/* One run, from inputs to outputs and next states; false after a fault. */
+bool position_controller_calculate(csp_kernel *csp, struct position_controller *self);
 
 #endif

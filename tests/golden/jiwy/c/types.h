@@ -29,12 +29,12 @@ static inline bool servo_gains_equal(struct servo_gains left, struct servo_gains
         && (left.tolerance == right.tolerance);
 }
 
-static inline void servo_gains_finite(struct servo_gains value, const char *port)
+static inline void servo_gains_finite(csp_kernel *csp, struct servo_gains value, const char *port)
 {
-    csp_finite(value.kp, port);
-    csp_finite(value.beta, port);
-    csp_finite(value.friction, port);
-    csp_finite(value.tolerance, port);
+    csp_finite(csp, value.kp, port);
+    csp_finite(csp, value.beta, port);
+    csp_finite(csp, value.friction, port);
+    csp_finite(csp, value.tolerance, port);
 }
 
 #endif

@@ -27,15 +27,16 @@ void velocity_controller_reset(struct velocity_controller *self)
     self->pressed = 0.0;
 }
 
-bool velocity_controller_calculate(struct velocity_controller *self)
+bool velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *self)
 {
     /* laws.csp:103 */
     const double difference =
-        self->moving ? csp_divide(self->feedback - self->last, self->sample) : 0.0;
+        self->moving ? csp_divide(csp, self->feedback - self->last, self->sample) : 0.0;
     CSP_CHECK_LAW("laws.csp:103");
     /* laws.csp:104 */
     const double velocity = self->filtered
-        + csp_divide(self->sample, self->filter + self->sample) * (difference - self->filtered);
+        + csp_divide(csp, self->sample, self->filter + self->sample)
+            * (difference - self->filtered);
     CSP_CHECK_LAW("laws.csp:104");
     const double error = self->speed - velocity; /* laws.csp:105 */
     const double i = self->ui + self->sample * self->ki * error; /* laws.csp:106 */
@@ -52,10 +53,10 @@ bool velocity_controller_calculate(struct velocity_controller *self)
     const double pressed_next = held; /* laws.csp:117 */
     /* A sum is finite only if its terms are. */
     if (!csp_is_finite(self->control + filtered_next + ui_next + pressed_next)) {
-        csp_finite_at(self->control, "laws.csp:109");
-        csp_finite_at(filtered_next, "laws.csp:112");
-        csp_finite_at(ui_next, "laws.csp:113");
-        csp_finite_at(pressed_next, "laws.csp:117");
+        csp_finite_at(csp, self->control, "laws.csp:109");
+        csp_finite_at(csp, filtered_next, "laws.csp:112");
+        csp_finite_at(csp, ui_next, "laws.csp:113");
+        csp_finite_at(csp, pressed_next, "laws.csp:117");
         CSP_CHECK_LAW("laws.csp:117");
     }
     self->moving = true; /* laws.csp:110 */

@@ -118,7 +118,7 @@ class CompositionWriter(Writer):
     def _raise(self, action: ir.RaiseException) -> list[Statement]:
         number = exception_number(self.names, action.exception)
         raised = run(ignored(call("csp_raise", "party", number, quoted(self.where(action)))))
-        inner = [store("csp.error.inner", quoted(self.inner))] if self.inner is not None else []
+        inner = [store("csp->error.inner", quoted(self.inner))] if self.inner is not None else []
         return [self.remark(action), raised, *inner, goto(self.failure_label())]
 
     def _run(self, action: ir.RunInstance) -> list[Statement]:

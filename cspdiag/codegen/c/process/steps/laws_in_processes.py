@@ -8,7 +8,7 @@ from dataclasses import replace
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import Check
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
-from cspdiag.codegen.c.laws.laws import law_may_fault, law_members
+from cspdiag.codegen.c.laws.laws import kernel_of, law_may_fault, law_members, law_verbs
 from cspdiag.codegen.c.process.routines import Waiting
 from cspdiag.codegen.c.process.steps.plain_steps import (
     READS,
@@ -22,7 +22,19 @@ from cspdiag.codegen.c.process.steps.plain_steps import (
     send,
 )
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import EQUALITY, Call, Code, address, call, code, ignored, infix, own
+from cspdiag.codegen.c.text.code import (
+    CSP,
+    EQUALITY,
+    Call,
+    Code,
+    address,
+    call,
+    code,
+    ignored,
+    infix,
+    mentions_kernel,
+    own,
+)
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.media import EndInC
 from cspdiag.codegen.c.text.names import Names
@@ -73,7 +85,7 @@ def call_law(writer: Writer, step: ir.RunInstance, class_: SubmodelClass) -> lis
             writes.append(_Write(writer.members.sink(end), member.field(names[_port(connection)])))
     outer, writer.inner = writer.inner, step.instance
     law = ir.SkipStep(span=class_.span)  # the place at which -O0 reports the communications of a law
-    called = call(f"{struct}_calculate", address(member))
+    called = call(f"{struct}_calculate", *kernel_of(law_verbs(class_), "calculate"), address(member))
     ran = (
         [run(ignored(called)), writer.raise_noted_fault(writer.where(law))] if law_may_fault(class_) else [run(called)]
     )
@@ -103,8 +115,11 @@ def _law_read(writer: Writer, connection: Connection, into: Code) -> _Read:
 
 def reset(writer: Writer, step: ir.ResetInstance) -> list[Statement]:
     """Resets the states of a submodel."""
-    struct = writer.names.classes[writer.class_of(step.instance).name]
-    return [writer.remark(step), run(call(f"{struct}_reset", address(own(writer.members.member(step.instance)))))]
+    class_ = writer.class_of(step.instance)
+    assert isinstance(class_, SubmodelClass)
+    kernel = kernel_of(law_verbs(class_), "reset")
+    member = address(own(writer.members.member(step.instance)))
+    return [writer.remark(step), run(call(f"{writer.names.classes[class_.name]}_reset", *kernel, member))]
 
 
 # ---- Control laws that were inlined
@@ -153,7 +168,7 @@ def run_inlined_law(writer: Writer, step: ir.RunLaw) -> list[Statement]:
     name = writer.law_function(
         step.law, [*body, return_value("true")] if faulty else body, "bool" if faulty else "void", remark
     )
-    called = call(name, "self")
+    called = call(name, *([CSP] if mentions_kernel(body) else []), "self")
     ran = [run(ignored(called)), *fault_check(writer.where(step))] if faulty else [run(called)]
     return [Remark(f"{step.law} ({writer.where(step)})"), *ran]
 

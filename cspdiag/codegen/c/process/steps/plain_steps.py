@@ -193,6 +193,6 @@ def wait(writer: Writer, step: WaitStep) -> list[Statement]:
 def stop(writer: Writer, step: StopStep) -> list[Statement]:
     """Waits until the process is cancelled."""
     place = writer.place(step, "stops", "STOP")
-    fails = infix("==", EQUALITY, code("csp_stop(party)"), code("CSP_FAILS"))
+    fails = infix("==", EQUALITY, call("csp_stop", "party"), code("CSP_FAILS"))
     refused = choose(fails, [goto(writer.failure_label())])
     return [writer.remark(step), *refused, store("party->state", place), return_value("NULL")]
