@@ -116,7 +116,9 @@ def render(document: Document, width: int, indent: int = 0) -> list[str]:
     text = flat(document)
     if indent + len(text) <= width:
         return [" " * indent + text]
-    first, *rest = _Layout(width).lines([(indent, True, document)], indent)
+    laid_out = _Layout(width).lines([(indent, True, document)], indent)
+    assert laid_out is not None
+    first, *rest = laid_out
     return [" " * indent + first, *rest]
 
 
@@ -128,10 +130,13 @@ class _Layout:
     def __init__(self, width: int) -> None:
         self.width = width
 
-    def lines(self, items: Sequence[_Item], column: int, following: int = 0) -> list[str]:
+    def lines(
+        self, items: Sequence[_Item], column: int, following: int = 0, *, only_if_all_fit: bool = False
+    ) -> list[str] | None:
         """The lines of consecutive documents, the first without the ``column`` characters before it.
 
-        On the last line, ``following`` more characters come after them.
+        On the last line, ``following`` more characters come after them. ``only_if_all_fit``: None as soon as a line is
+        too long.
         """
         done: list[str] = []
         line = ""
@@ -139,67 +144,74 @@ class _Layout:
         stack = [*reversed(items)]
         while stack:
             depth, broken, document = stack.pop()
+            if not broken:
+                line += flat(document)
+                continue
             match document:
                 case str():
                     line += document
                 case tuple():
-                    stack += [(depth, broken, part) for part in reversed(document)]
-                case Line() if broken:
+                    stack += [(depth, True, part) for part in reversed(document)]
+                case Line():
+                    if only_if_all_fit and before + len(line.rstrip()) > self.width:
+                        return None
                     done.append(line.rstrip())
                     line, before = " " * depth, 0
-                case Line(flat=text):
-                    line += text
                 case Nest(by=by, content=content):
-                    stack.append((depth + by, broken, content))
-                case Flat(content=content):
-                    line += flat(content)
+                    stack.append((depth + by, True, content))
+                case Flat():
+                    line += document.on_one_line
                 case Group(content=content):
-                    fits = not broken or self._fits(content, before + len(line), stack, following)
+                    fits = self._fits(content, before + len(line), stack, following)
                     stack.append((depth, not fits, content))
                 case Fill():
-                    if not broken or self._fits(document, before + len(line), stack, following):
+                    if self._fits(document, before + len(line), stack, following):
                         line += flat(document)
                     else:
                         stack.append((depth, True, self._first(document, before + len(line), stack, following)))
                 case FirstThatFits(layouts=layouts):
-                    if not broken:
-                        line += flat(layouts[0])
-                    else:
-                        stack.append((depth, True, self._chosen(document, depth, before + len(line), stack, following)))
+                    found = self._first_of(layouts[:-1], depth, before + len(line), self._ahead(stack, following))
+                    if found is None:
+                        stack.append((depth, True, layouts[-1]))
+                        continue
+                    line += found[0]
+                    if len(found) > 1:
+                        done += [line.rstrip(), *found[1:-1]]
+                        line, before = found[-1], 0
                 case _:
                     assert_never(document)
+        if only_if_all_fit and before + len(line) + following > self.width:
+            return None
         return [*done, line]
 
     def _first(self, fill: Fill, column: int, stack: Sequence[_Item], following: int) -> Document:
-        """The first item of a `Fill`, the line after it, which is broken if the next item does not fit, and
+        """The first items of a `Fill`, the line after them, which is broken if the next item does not fit, and
         the rest.
         """
-        head, left = fill.items[fill.start], len(fill.items) - fill.start - 1
-        if not left:
-            return Group(head)
-        text = flat(head)
-        is_one_line = column + len(text) <= self.width
-        ahead = 0 if left > 1 else self._ahead(stack, following)
-        after = fill.items[fill.start + 1]
-        stays = is_one_line and column + len(text) + 1 + len(flat(after)) + ahead <= self.width
-        return (Group(head), " " if stays else LINE, Fill(fill.items, fill.start + 1))
+        items, start, last = fill.items, fill.start, len(fill.items) - 1
+        found: list[Document] = []
+        while start < last:
+            head, column = items[start], column + len(flat(items[start]))
+            start += 1
+            ahead = 0 if start < last else self._ahead(stack, following)
+            stays = column <= self.width and column + 1 + len(flat(items[start])) + ahead <= self.width
+            if not (stays and isinstance(head, Flat)):
+                return (*found, Group(head), " " if stays else LINE, Fill(items, start))
+            found += [head, " "]
+            column += 1
+        return (*found, Group(items[last]))
 
-    def _chosen(
-        self, choice: FirstThatFits, depth: int, column: int, stack: Sequence[_Item], following: int
-    ) -> Document:
-        *preferred, last = choice.layouts
-        for layout in preferred:
-            if self._all_fit(layout, depth, column, self._ahead(stack, following)):
-                return layout
-        return last
-
-    def _all_fit(self, layout: Document, depth: int, column: int, following: int) -> bool:
-        if isinstance(layout, Flat):
-            return column + len(flat(layout)) + following <= self.width
-        first, *rest = self.lines([(depth, True, layout)], column, following)
-        lengths = [column + len(first), *map(len, rest)]
-        lengths[-1] += following
-        return max(lengths) <= self.width
+    def _first_of(self, layouts: Sequence[Document], depth: int, column: int, following: int) -> list[str] | None:
+        """The lines of the first layout of which every line fits."""
+        for layout in layouts:
+            if isinstance(layout, Flat):
+                text = layout.on_one_line
+                found = [text] if column + len(text) + following <= self.width else None
+            else:
+                found = self.lines([(depth, True, layout)], column, following, only_if_all_fit=True)
+            if found is not None:
+                return found
+        return None
 
     def _fits(self, content: Document, column: int, stack: Sequence[_Item], following: int) -> bool:
         room = self.width - column
@@ -223,7 +235,7 @@ def _length_up_to(document: Document, most: int) -> int:
         case tuple():
             length = 0
             for part in document:
-                length += _length_up_to(part, most - length)
+                length += len(part) if isinstance(part, str) else _length_up_to(part, most - length)
                 if length > most:
                     break
             return length

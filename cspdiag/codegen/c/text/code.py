@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import ClassVar, Literal
 
-from cspdiag.base.record import record
+from cspdiag.base.record import lazily, record
 from cspdiag.codegen.c.text.kernel import TAKES_KERNEL, USES_KERNEL
 from cspdiag.codegen.shared.document import (
     LINE,
@@ -45,7 +44,7 @@ class Code:
         """How tightly its operator binds."""
         return self._PRECEDENCE
 
-    @cached_property
+    @lazily
     def document(self) -> Document:
         """The text, with the places where it may be broken."""
         return self._document()
