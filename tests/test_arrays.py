@@ -78,14 +78,26 @@ def test_no_variable_is_shared_with_nested_functions_for_each_line() -> None:
     """Python takes ``n`` squared steps to compile a function of which others use ``n`` variables."""
     shared = []
     for count in (200, 300):  # too many to be fused
-        files = pipeline.generate(network("ring", count, "lines"), read_source, "python", 1)
-        pending = [compile(files["main/ring.py"], "ring.py", "exec", dont_inherit=True)]
+        text = re.sub(r"(cell\d+)", r"\1_", program("ring", count, "lines").text)
+        built = pipeline.build(SourceFile(name="ring.csp", text=text), read_source)
+        assert built.network is not None
+        files = pipeline.generate(built.network, read_source, "python", 1)
+        pending = [compile(files["ring/ring.py"], "ring.py", "exec", dont_inherit=True)]
         functions = []
         while pending:
             functions.append(pending.pop())
             pending += [constant for constant in functions[-1].co_consts if isinstance(constant, CodeType)]
         shared.append(max(len(function.co_cellvars) for function in functions))
     assert 0 < shared[0] == shared[1]
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize(("target", "path"), [("python", "main/ring.py"), ("c", "ring.c")])
+def test_the_text_of_numbered_lines_does_not_grow_with_their_number(target: str, path: str, level: int) -> None:
+    few, many = (
+        pipeline.generate(network("ring", count, "lines"), read_source, target, level)[path] for count in (200, 900)
+    )
+    assert len(few.splitlines()) == len(many.splitlines())
 
 
 def test_the_groups_of_a_summary_take_the_same_for_each_element() -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
 
+from tests.conformance import numbered_lines
 from tests.conformance.hunt import A_START, hunt
 from tests.conformance.kit import judge, parsed
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments
@@ -45,6 +47,12 @@ def test_model(target: Target, name: str) -> None:
 def test_program(target: Target, name: str) -> None:
     """Programs on which implementations have disagreed."""
     assert_certified(target, name, 100_000_000)
+
+
+def test_numbered_lines(target: Target, tmp_path: Path) -> None:
+    file = tmp_path / "main.csp"
+    file.write_text(numbered_lines.program(), encoding="utf-8")
+    assert_certified(target, str(file), 100_000_000)
 
 
 @pytest.mark.parametrize("start", range(EXAMPLES // A_START))

@@ -17,7 +17,7 @@ from cspdiag.codegen.python.text.names import (
     member_names,
     snake_case,
 )
-from cspdiag.codegen.shared.places_in_arrays import indexed
+from cspdiag.codegen.shared.places_in_arrays import MANY, Arrays, indexed, numbered_lines
 from cspdiag.runtime import Process, Submodel
 
 
@@ -74,3 +74,39 @@ def test_members_keep_apart_and_begin_with_no_underscore() -> None:
         "_1": "n1",
         "__": "unnamed",
     }
+
+
+def test_many_numbered_names_of_one_kind_are_an_array() -> None:
+    cells = {f"cell{i}.out": "sync" for i in range(MANY)}
+    assert numbered_lines(cells, ()) == {"cell.out": list(cells)}
+    arrays = Arrays(cells)
+    assert arrays.place("cell7.out") == ("cell.out", 7)
+    assert arrays.element("cell.out", 7) == "cell7.out"
+    assert arrays.size("cell7.out") == MANY
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"cell{i}" for i in range(MANY - 1)],
+        [f"cell{i}" for i in range(1, MANY + 1)],
+        [f"cell{i}" for i in range(MANY) if i != 7] + ["cell100"],
+        [f"cell{i}" for i in reversed(range(MANY))],
+        [f"cell{i:03}" for i in range(MANY)],
+        [f"cell{i}.x{i}" for i in range(MANY)],
+        [f"cell[0].x{i}" for i in range(MANY)],
+        [f"cell{i}x" for i in range(MANY)],
+        [f"cell{i}" for i in range(MANY)] + ["cell"],
+    ],
+)
+def test_other_names_are_no_array(names: list[str]) -> None:
+    assert numbered_lines(dict.fromkeys(names, "sync"), names) == {}
+
+
+def test_numbered_names_of_several_kinds_or_with_a_name_that_is_taken_are_no_array() -> None:
+    kinds = {f"cell{i}": "Cell" for i in range(MANY)}
+    assert numbered_lines(kinds | {"cell7": "Head"}, ()) == {}
+    assert numbered_lines(kinds, {"cell"}) == {}
+    both = Arrays({f"cell[{i}]": "Cell" for i in range(MANY)}, kinds)
+    assert both.place("cell[7]") == ("cell", 7)
+    assert both.place("cell7") == ("cell7", None)

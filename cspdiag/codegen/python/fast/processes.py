@@ -19,7 +19,7 @@ from cspdiag.codegen.python.plain.constructors import ConstructorWriter
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import Instances, path
-from cspdiag.codegen.python.plain.members import Array
+from cspdiag.codegen.python.plain.members import Array, lines_as_arrays
 from cspdiag.codegen.python.plain.processes import all_readers
 from cspdiag.codegen.python.text.code import (
     FALSE,
@@ -103,8 +103,12 @@ def has_levels(network: Network) -> bool:
 @lru_cache(maxsize=1)
 def classes_of_elements(network: Network) -> frozenset[str]:
     """The process classes of which an array has instances."""
-    classes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
-    return frozenset(item.class_name for entry in classes for item in entry.instances if item.array is not None)
+    found: set[str] = set()
+    for entry in network.classes:
+        if isinstance(entry, ProcessClass):
+            lines = {name for names in lines_as_arrays(entry).values() for name in names}
+            found |= {item.class_name for item in entry.instances if item.array is not None or item.name in lines}
+    return frozenset(found)
 
 
 class _ProcessWriter(ConstructorWriter):

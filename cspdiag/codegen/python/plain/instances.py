@@ -16,6 +16,7 @@ from cspdiag.codegen.python.text.code import Argument, Call, Code, Element, Form
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import MEMBERS, PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.rolling import rolled_list
+from cspdiag.codegen.shared.places_in_arrays import NUMBER
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.network import (
     Connection,
@@ -29,7 +30,7 @@ from cspdiag.network.ir.network import (
 )
 
 _NAME = Name("name")
-_INDEXES = re.compile(r"(?<=\[)(\d+)(?=\])")
+_NUMBERS = re.compile(rf"((?<=\[)\d+(?=\])|{NUMBER})")
 
 
 class Instances:
@@ -103,6 +104,6 @@ def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
 
 def path(name: str, owner: Code | None = None) -> Code:
     """The hierarchical name of a part, as an extension of the ``name`` of the process."""
-    parts = _INDEXES.split(name)
+    parts = _NUMBERS.split(name)
     counted = [WholeNumber(int(part)) if position % 2 else part for position, part in enumerate(parts)]
     return Formatted((owner or _NAME, ".", *counted))

@@ -9,9 +9,9 @@ from cspdiag.base.record import record
 from cspdiag.codegen.python.text.code import Code, Name, own
 from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.statements import Statement, bound_in
-from cspdiag.codegen.shared.places_in_arrays import indexed
+from cspdiag.codegen.shared.places_in_arrays import indexed, numbered_lines
 from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
-from cspdiag.network.ir.network import InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import CreatedInstance, InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 
@@ -41,6 +41,8 @@ class Members:
         self._arrays: dict[str, Array] = {}
         self._group(process.channels)
         self._group(process.instances)
+        for base, names in lines_as_arrays(process).items():
+            self._add_array(self.names.fresh(base), names)
         self._plain = {
             item.name: self.names[item.name]
             for item in (*process.channels, *process.instances)
@@ -78,9 +80,11 @@ class Members:
                 grouped.setdefault(place[0], {})[place[1]] = item.name
         for base, elements in grouped.items():
             if sorted(elements) == list(range(len(elements))):
-                ordered = tuple(elements[index] for index in sorted(elements))
-                array = Array(self.names[base], ordered, {name: index for index, name in enumerate(ordered)})
-                self._arrays.update(dict.fromkeys(array.elements, array))
+                self._add_array(self.names[base], [elements[index] for index in sorted(elements)])
+
+    def _add_array(self, name: str, elements: Sequence[str]) -> None:
+        array = Array(name, tuple(elements), {element: index for index, element in enumerate(elements)})
+        self._arrays.update(dict.fromkeys(array.elements, array))
 
     def _name_ends(self) -> dict[End, str]:
         names: dict[End, str] = {}
@@ -134,6 +138,29 @@ class Members:
     def is_input(self, end: End) -> bool:
         """Whether an end is an input port of the class."""
         return isinstance(end, PortEnd) and self._ports[end.port].direction == "in"
+
+
+def lines_as_arrays(process: ProcessClass) -> dict[str, Sequence[str]]:
+    """Channels and instances with a line for each that are many and numbered, by what their names have in common;
+    instances are made one directly after the other.
+    """
+    channels = {item.name: (item.kind, item.type, item.capacity, item.doc) for item in process.channels}
+    instances = {item.name: (item.class_name, item.doc) for item in process.instances}
+    taken = {*channels, *instances, *(item.name for item in (*process.parameters, *process.ports))}
+    taken |= {place[0] for place in map(indexed, taken) if place is not None}
+    found = numbered_lines(channels, taken)
+    made = {item.instance: at for at, item in enumerate(process.creation) if isinstance(item, CreatedInstance)}
+    declared = {name: at for at, name in enumerate(instances)}
+    for base, names in numbered_lines(instances, taken).items():
+        if _is_run(names, made) and _is_run(names, declared):
+            found[base] = names
+    return found
+
+
+def _is_run(names: Sequence[str], places: Mapping[str, int]) -> bool:
+    """Whether names have consecutive places, or none has one."""
+    first = places.get(names[0])
+    return all(places.get(name) == (None if first is None else first + at) for at, name in enumerate(names))
 
 
 def _indexed(port: Code, end: End) -> Code:

@@ -161,7 +161,9 @@ class _Numbering:
     def _made(self, node: Counted, step: int) -> object:
         match node:
             case _Name(array=array, value=first):
-                return self._members.numbered(array, self._numbered(first, step)) if step else f"{array}[{first}]"
+                if not step:
+                    return self._members.arrays.element(array, first)
+                return self._members.numbered(array, self._numbered(first, step))
             case _End(port=port, value=first, end=end):
                 if not step:
                     return ir.PortEnd(port, first, end)

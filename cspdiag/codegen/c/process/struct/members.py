@@ -87,8 +87,9 @@ class Members:
         self.ports = self.layout.ports
         self.channels = {channel.name: channel for channel in process.channels}
         self.arrays = Arrays(
-            {item.name: (access_of_channel(item), item.type, item.capacity) for item in process.channels},
-            {item.name: item.class_name for item in process.instances},
+            {item.name: (access_of_channel(item), item.type, item.capacity, item.doc) for item in process.channels},
+            {item.name: (item.class_name, item.doc) for item in process.instances},
+            taken={*self.parameters, *self.ports},
         )
         self.plain = {
             item.name: self.names[self.arrays.base(item.name)] for item in (*process.channels, *process.instances)
@@ -170,7 +171,7 @@ class Members:
         name = f"{array}[]"
         while self._elements_by_number.setdefault(name, (array, index)) != (array, index):
             name += "[]"
-        first = f"{array}[{index.first}]"
+        first = self.arrays.element(array, index.first)
         self.plain[name] = self.plain[first]
         if first in self.channels:
             self.channels[name] = self.channels[first]
