@@ -53,7 +53,7 @@ from .compiled.arithmetic import (
 )
 from .compiled.linear import rk4_matrices
 from .compiled.numbered import numbered
-from .compiled.rendezvous import Alternated, Rendezvous
+from .compiled.rendezvous import Alternated, Dedicated, Rendezvous
 from .compiled.routine import Inlined, Numbered, Part, Routine, Steps, end_group, start_group
 from .composition import Rounds, group, now, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
@@ -96,6 +96,7 @@ __all__ = [
     "Constant",
     "Deadlock",
     "DeadlockReport",
+    "Dedicated",
     "DevicePort",
     "Discard",
     "Driver",

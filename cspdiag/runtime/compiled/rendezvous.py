@@ -2,15 +2,16 @@
 
 Invariants:
 
-- At most one of ``reading`` and ``writing`` is set: the party that arrived first and waits. What removes it puts it
-  into the ready queue.
+- At most one party waits: the one that arrived first. What removes it puts it into the ready queue. In a
+  ``Rendezvous`` it is ``reading`` or ``writing``; in a ``Dedicated`` channel it is the ``reader`` if ``value`` is None,
+  and the ``writer`` if ``offered`` is not None.
 - ``offered`` is the value of the waiting writer, ``value`` what was handed over to the reader that waited. There are
   two places because the next writer may offer before the reader that was readied has run.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 from ..channels.ports import In, Out, T
 from ..channels.selector import Selector, Watchers, lower_bits, raise_bits, without
@@ -18,25 +19,83 @@ from ..kernel.party import Party, Waits
 from ..kernel.scheduler import present
 from .numbered import Names, name_of
 
+_NOTHING: Final[Any] = object()
+"""The ``value`` of a dedicated channel whose reader does not wait, and has not been given a value either."""
 
-class Rendezvous(In[T], Out[T]):
-    """Like ``Channel``, for one writer and one reader, neither of which alternates. The methods are for parties that
-    are not optimized code. ``label`` is its name, or the names of the array that it is an element of.
+
+class Slots(In[T], Out[T]):
+    """A rendezvous of one writer and one reader at a time. ``label`` is its name, or the names of the array that it is
+    an element of.
     """
 
-    __slots__ = ("label", "offered", "reading", "value", "writing")
+    __slots__ = ("label",)
 
     def __init__(self, name: str = "channel") -> None:
         self.label: str | Names = name
-        self.reading: Any = None
-        self.writing: Any = None
-        self.offered: Any = None
-        self.value: Any = None
 
     @property
     def name(self) -> str:  # type: ignore[override]
         """Its path from the outermost process."""
         return name_of(self)
+
+    def holds(self, party: Party) -> bool:
+        """Whether a party waits here."""
+        raise NotImplementedError
+
+
+class Dedicated(Slots[T]):
+    """For optimized code alone, each end of which belongs to one task, ``reader`` and ``writer``, which it notes before
+    it waits for the first time. None is no value of it.
+    """
+
+    __slots__ = ("offered", "reader", "value", "writer")
+
+    def __init__(self, name: str = "channel") -> None:
+        super().__init__(name)
+        self.reader: Any = None
+        self.writer: Any = None
+        self.offered: Any = None
+        self.value: Any = _NOTHING
+
+    def holds(self, party: Party) -> bool:
+        """See ``Slots.holds``."""
+        return self._holds_reader(party) or (self.offered is not None and self.writer is party)
+
+    def _holds_reader(self, party: Party) -> bool:
+        return self.value is None and self.reader is party
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if not self.holds(party):
+            return False
+        if self._holds_reader(party):
+            self.value = _NOTHING
+        else:
+            self.offered = None
+        return True
+
+    def waits_for(self, party: Party) -> Waits:
+        """See ``In.waits_for``."""
+        return (("to read" if self._holds_reader(party) else "to write", self),)
+
+
+class Rendezvous(Slots[T]):
+    """Like ``Channel``, for a writer and a reader that do not alternate. The methods are for parties that are not
+    optimized code.
+    """
+
+    __slots__ = ("offered", "reading", "value", "writing")
+
+    def __init__(self, name: str = "channel") -> None:
+        super().__init__(name)
+        self.reading: Any = None
+        self.writing: Any = None
+        self.offered: Any = None
+        self.value: Any = None
+
+    def holds(self, party: Party) -> bool:
+        """See ``Slots.holds``."""
+        return party in (self.reading, self.writing)
 
     def request(self, party: Party) -> bool:
         """See ``In.request``."""

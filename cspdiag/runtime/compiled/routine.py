@@ -17,7 +17,7 @@ from ..kernel.places import note_place, place_of
 from ..kernel.scheduler import Join, Task, present
 from .direct import SPENT, DirectScheduler
 from .numbered import Names, name_of
-from .rendezvous import Rendezvous
+from .rendezvous import Slots
 
 if TYPE_CHECKING:
     from ..channels.ports import In
@@ -200,14 +200,14 @@ class RoutineTask(Task):
 
     def waits(self) -> Waits:
         """What the task waits for."""
-        channels = [channel for channel in self._channels() if self in (channel.reading, channel.writing)]
+        channels = [channel for channel in self._channels() if channel.holds(self)]
         if channels:
             return tuple([wait for channel in channels for wait in channel.waits_for(self)])
         return super().waits()
 
-    def _channels(self) -> Iterator[Rendezvous[Any]]:
+    def _channels(self) -> Iterator[Slots[Any]]:
         """The rendezvous channels that its code can see, each once."""
-        seen: dict[int, Rendezvous[Any]] = {}
+        seen: dict[int, Slots[Any]] = {}
         generator: Any = self.coroutine
         while generator is not None:
             frame: FrameType | None = getattr(generator, "gi_frame", None)
@@ -215,7 +215,7 @@ class RoutineTask(Task):
                 if value is self.ready_queue:
                     continue  # There are only parties in it, and many.
                 for item in value if isinstance(value, list | tuple) else (value,):
-                    if isinstance(item, Rendezvous):
+                    if isinstance(item, Slots):
                         seen[id(item)] = item
             generator = getattr(generator, "gi_yieldfrom", None)
         yield from seen.values()

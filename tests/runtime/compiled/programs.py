@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from cspdiag.runtime import Alternated, Fault, Network, Outcome, Rendezvous, Routine, Steps, Task, parallel
+from cspdiag.runtime import Alternated, Dedicated, Fault, Network, Outcome, Rendezvous, Routine, Steps, Task, parallel
 
 Body = Callable[[Task], Steps]
+AnyChannel = Rendezvous[Any] | Dedicated[Any]
+CHANNELS: list[type[AnyChannel]] = [Rendezvous, Dedicated]
 
 
 class Program(Routine):
@@ -39,7 +41,30 @@ def run(*branches: Body, program: type[Program] = Program, until: int | None = N
     return Network(program(body)).run(until=until)
 
 
-def write(me: Task, channel: Rendezvous[Any], value: object) -> Steps:
+def waits(channel: AnyChannel) -> bool:
+    """Whether a writer waits in the channel."""
+    return channel.offered is not None if isinstance(channel, Dedicated) else channel.writing is not None
+
+
+def offer(me: Task, channel: AnyChannel, value: object) -> None:
+    """Waits to write, without a look at the reader."""
+    if isinstance(channel, Dedicated):
+        channel.writer = me
+    else:
+        channel.writing = me
+    channel.offered = value
+
+
+def write(me: Task, channel: AnyChannel, value: object) -> Steps:
+    if isinstance(channel, Dedicated):
+        channel.writer = me
+        if channel.value is None:
+            channel.value = value
+            me.scheduler.queue.append(channel.reader.entry)
+        else:
+            channel.offered = value
+            yield
+        return
     reader = channel.reading
     if reader is not None:
         channel.reading = None
@@ -57,7 +82,7 @@ def write(me: Task, channel: Rendezvous[Any], value: object) -> Steps:
         yield
 
 
-def writer(channel: Rendezvous[Any], *values: object) -> Body:
+def writer(channel: AnyChannel, *values: object) -> Body:
     def steps(me: Task) -> Steps:
         for value in values:
             yield from write(me, channel, value)
@@ -65,7 +90,10 @@ def writer(channel: Rendezvous[Any], *values: object) -> Body:
     return steps
 
 
-def reader(channel: Rendezvous[Any], got: list[Any], count: int) -> Body:
+def reader(channel: AnyChannel, got: list[Any], count: int) -> Body:
+    if isinstance(channel, Dedicated):
+        return dedicated_reader(channel, got, count)
+
     def steps(me: Task) -> Steps:
         for _ in range(count):
             writing = channel.writing
@@ -77,6 +105,22 @@ def reader(channel: Rendezvous[Any], got: list[Any], count: int) -> Body:
                 me.scheduler.queue.append(writing.entry)
             else:
                 channel.reading = me
+                yield
+                got.append(channel.value)
+
+    return steps
+
+
+def dedicated_reader(channel: Dedicated[Any], got: list[Any], count: int) -> Body:
+    def steps(me: Task) -> Steps:
+        channel.reader = me
+        for _ in range(count):
+            if channel.offered is not None:
+                got.append(channel.offered)
+                channel.offered = None
+                me.scheduler.queue.append(channel.writer.entry)
+            else:
+                channel.value = None
                 yield
                 got.append(channel.value)
 

@@ -21,7 +21,19 @@ from cspdiag.runtime import (
     parallel,
 )
 from cspdiag.runtime.compiled.direct import FEW
-from tests.runtime.compiled.programs import Body, CheckedProgram, Program, failing, reader, run, write, writer
+from tests.runtime.compiled.programs import (
+    CHANNELS,
+    AnyChannel,
+    Body,
+    CheckedProgram,
+    Program,
+    failing,
+    offer,
+    reader,
+    run,
+    write,
+    writer,
+)
 
 MANY = 5000
 """More than the scheduler takes from the queue at a time."""
@@ -75,13 +87,12 @@ def test_those_that_a_failure_cancels_are_abandoned_once_whether_they_wait_or_ar
     assert ended == ["first Cancelled", "second Cancelled"]
 
 
-def both(first: Rendezvous[int], second: Rendezvous[int], ended: list[str]) -> Body:
+def both(first: AnyChannel, second: AnyChannel, ended: list[str]) -> Body:
     """Offers two values at once, and waits for both."""
 
     def steps(me: Task) -> Steps:
-        for channel in (first, second):
-            channel.writing = me
-            channel.offered = 1
+        offer(me, first, 1)
+        offer(me, second, 1)
         try:
             yield
             yield
@@ -108,10 +119,13 @@ class TrackedProgram(Program):
     tracked = True
 
 
+@pytest.mark.parametrize("kind", CHANNELS)
 @pytest.mark.parametrize("program", [Program, TrackedProgram])
-def test_one_of_which_both_communications_are_done_is_abandoned_once(program: type[Program]) -> None:
+def test_one_of_which_both_communications_are_done_is_abandoned_once(
+    program: type[Program], kind: type[AnyChannel]
+) -> None:
     """It is in the ready queue twice; its parallel still waits for the others."""
-    first, second, trace = Rendezvous[int]("a"), Rendezvous[int]("b"), list[str]()
+    first, second, trace = kind("a"), kind("b"), list[str]()
 
     def body(me: Task) -> Steps:
         late = (both(first, second, trace), reader(first, [], 1), reader(second, [], 1), failing("no"))

@@ -18,13 +18,28 @@ from cspdiag.runtime import (
     begin_delay,
     interrupted,
     ms,
+    parallel,
 )
-from tests.runtime.compiled.programs import Body, CheckedProgram, Program, failing, reader, run, write, writer
+from tests.runtime.compiled.programs import (
+    CHANNELS,
+    AnyChannel,
+    Body,
+    CheckedProgram,
+    Program,
+    failing,
+    offer,
+    reader,
+    run,
+    waits,
+    write,
+    writer,
+)
 
 
+@pytest.mark.parametrize("kind", CHANNELS)
 @pytest.mark.parametrize("writer_first", [True, False])
-def test_values_pass_in_order_whichever_party_is_first(writer_first: bool) -> None:
-    channel, got = Rendezvous[int]("c"), list[int]()
+def test_values_pass_in_order_whichever_party_is_first(writer_first: bool, kind: type[AnyChannel]) -> None:
+    channel, got = kind("c"), list[int]()
     branches = [writer(channel, 1, 2, 3), reader(channel, got, 3)]
     outcome = run(*(branches if writer_first else branches[::-1]))
     assert (outcome.ended, got) == ("terminated", [1, 2, 3])
@@ -81,20 +96,30 @@ def test_two_alternatives_on_one_channel_both_see_the_writer() -> None:
     assert first.selector.ready == second.selector.ready == 0
 
 
-def test_siblings_of_a_failure_are_withdrawn_from_their_channels() -> None:
-    channel = Rendezvous[int]("c")
-    outcome = run(writer(channel, 1), failing("no"))
-    assert (outcome.ended, str(outcome.error)) == ("failed", "no, in Top")
-    assert channel.writing is None
+@pytest.mark.parametrize("kind", CHANNELS)
+def test_siblings_of_a_failure_are_withdrawn_from_their_channels(kind: type[AnyChannel]) -> None:
+    """A reader or a writer that comes later does not find them."""
+    first, second, got = kind("a"), kind("b"), list[int]()
+
+    def body(me: Task) -> Steps:
+        me.scheduler.current = me
+        with pytest.raises(Fault, match="no"):
+            yield from parallel(writer(first, 1), reader(second, got, 1), failing("no"))
+        assert not waits(first)
+        me.scheduler.current = me
+        late = (reader(first, got, 1), reader(second, got, 1), writer(second, 2), writer(first, 3))
+        yield from parallel(*late)
+
+    outcome = Network(Program(body)).run()
+    assert (outcome.ended, outcome.error, got) == ("terminated", None, [2, 3])
 
 
-def two_at_once(first: Rendezvous[int], second: Rendezvous[int], ended: list[str]) -> Body:
+def two_at_once(first: AnyChannel, second: AnyChannel, ended: list[str]) -> Body:
     """Offers two values at once, and waits for both."""
 
     def steps(me: Task) -> Steps:
-        for channel in (first, second):
-            channel.writing = me
-            channel.offered = 1
+        offer(me, first, 1)
+        offer(me, second, 1)
         try:
             yield
             yield
@@ -104,12 +129,13 @@ def two_at_once(first: Rendezvous[int], second: Rendezvous[int], ended: list[str
     return steps
 
 
-def test_a_process_with_one_of_two_communications_done_is_abandoned_once() -> None:
+@pytest.mark.parametrize("kind", CHANNELS)
+def test_a_process_with_one_of_two_communications_done_is_abandoned_once(kind: type[AnyChannel]) -> None:
     """The completed communication has put the process into the ready queue, where it is no longer found."""
-    first, second, got, ended = Rendezvous[int]("a"), Rendezvous[int]("b"), list[int](), list[str]()
+    first, second, got, ended = kind("a"), kind("b"), list[int](), list[str]()
     outcome = run(two_at_once(first, second, ended), reader(first, got, 1), failing("no"))
     assert (outcome.ended, got, ended) == ("failed", [1], ["both"])
-    assert second.writing is None
+    assert not waits(second)
 
 
 def continues(channel: Rendezvous[int], seen: list[str]) -> Body:
@@ -136,16 +162,17 @@ def test_a_ready_process_when_cancelled_continues_only_if_it_is_checked(
     assert (outcome.ended, reported) == ("failed", seen)
 
 
-def test_an_interrupt_withdraws_its_body() -> None:
-    channel, result = Rendezvous[int]("c"), list[object]()
+@pytest.mark.parametrize("kind", CHANNELS)
+def test_an_interrupt_withdraws_its_body(kind: type[AnyChannel]) -> None:
+    channel, result = kind("c"), list[object]()
 
     def body(me: Task) -> Steps:
         me.scheduler.current = me
         taken = yield from interrupted(writer(channel, 1), After(5 * ms))
-        result.extend([taken, me.scheduler.now, channel.writing])
+        result.extend([taken, me.scheduler.now, waits(channel)])
 
     Network(CheckedProgram(body)).run()
-    assert result == [True, 5 * ms, None]
+    assert result == [True, 5 * ms, False]
 
 
 def test_rounds_keep_their_tasks_and_begin_anew_after_a_failure() -> None:
@@ -180,8 +207,9 @@ def test_rounds_keep_their_tasks_and_begin_anew_after_a_failure() -> None:
     assert trace == ["first", 1 * ms, "first", 2 * ms, "first", 3 * ms]
 
 
-def test_a_deadlock_is_reported_with_the_channels_in_which_the_code_waits() -> None:
-    first, second, got = Rendezvous[int]("Top.a"), Rendezvous[int]("Top.b"), list[int]()
+@pytest.mark.parametrize("kind", CHANNELS)
+def test_a_deadlock_is_reported_with_the_channels_in_which_the_code_waits(kind: type[AnyChannel]) -> None:
+    first, second, got = kind("Top.a"), kind("Top.b"), list[int]()
 
     def one(me: Task) -> Steps:
         yield from write(me, first, 1)
@@ -194,3 +222,11 @@ def test_a_deadlock_is_reported_with_the_channels_in_which_the_code_waits() -> N
     deadlock = run(one, other).deadlock
     assert deadlock is not None
     assert [process.waits for process in deadlock.cycle] == ["to write Top.a", "to write Top.b"]
+
+
+@pytest.mark.parametrize("kind", CHANNELS)
+def test_a_reader_that_was_served_before_waits_to_read(kind: type[AnyChannel]) -> None:
+    channel, got = kind("Top.a"), list[int]()
+    deadlock = run(writer(channel, 1, 2), reader(channel, got, 3)).deadlock
+    assert deadlock is not None
+    assert [process.waits for process in deadlock.waiting] == ["to read Top.a"]

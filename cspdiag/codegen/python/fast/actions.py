@@ -289,12 +289,13 @@ class Composition(Alternatives, LawSteps):
         self.functions.append(self._generator(name, ()))
         outer, loops, self._loops = self.process, self._loops, 0
         self._nested += 1
-        body = self.statements(action)
+        with self.communications.function() as owned:
+            body = self.statements(action)
         self._nested -= 1
         self.process, self._loops = outer, loops
         if rounds is not None:
             body = (Block("while", TRUE, (*body, run(rounds.call("done", self.spelling["me"])), YIELD)),)
-        self.functions[position] = self._generator(name, body)
+        self.functions[position] = self._generator(name, (*owned, *body))
         return Name(name)
 
     def _generator(self, name: str, body: Statements, *parameters: str) -> Function:
@@ -306,8 +307,9 @@ class Composition(Alternatives, LawSteps):
         if len(steps) < LEAST or not all(map(_is_plain, steps)):
             return None
         k = self.spelling["k"]
-        body = template([self.statements(step) for step in steps], k.text)
-        if body is None:
+        with self.communications.function() as owned:
+            body = template([self.statements(step) for step in steps], k.text)
+        if body is None or owned:
             return None
         name = self.spelling.names.fresh(f"_{branch_name(steps[0])}")
         self.functions.append(self._generator(name, body, f"{k.text}: int"))

@@ -1,9 +1,11 @@
-"""Inlined communications: a rendezvous uses two slots of the channel, everything else calls the runtime."""
+"""Inlined communications: a rendezvous uses the slots of the channel, everything else calls the runtime."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Literal
 
 from cspdiag.codegen.python.fast.spelling import Spelling, is_alternated, is_inline, is_plain_access
 from cspdiag.codegen.python.text.code import (
@@ -74,6 +76,17 @@ class Communications:
     """Whether the program has prioritized parallels, and so a ready queue for each level."""
     finite: frozenset[Code] = frozenset()
     """Local variables that have just been tested."""
+    owned: dict[Statement, None] = field(default_factory=dict)
+    """What the function that is being written has to do at its beginning: note whose the ends of channels are."""
+
+    @contextmanager
+    def function(self) -> Iterator[Mapping[Statement, None]]:
+        """Around the writing of another function; gives what that has to do at its beginning."""
+        outer, self.owned = self.owned, {}
+        try:
+            yield self.owned
+        finally:
+            self.owned = outer
 
     def runtime(self, name: str) -> Code:
         """A name of the runtime."""
@@ -116,8 +129,7 @@ class Communications:
             return (assign(into, self.spelling.value_at(source)),)
         end = self.spelling.source(source)
         if is_inline(medium):
-            before, channel = self._channel(end)
-            return (*self.check(), *before, *self._rendezvous_read(channel, into, is_alternated(medium)))
+            return (*self.check(), *self._rendezvous_read(source, into))
         if medium.kind == "sampled":
             return (*self.check(), *self._sampled_read(end, into, medium))
         return (*self.set_current_task(), assign(into, delegated(end.call("read"))))
@@ -128,17 +140,42 @@ class Communications:
         channel = self.spelling["channel"]
         return (assign(channel, end),), channel
 
-    def _rendezvous_read(self, channel: Code, into: Code, alternated: bool) -> Statements:
-        me, writer = self.spelling["me"], self.spelling["writer"]
+    def _rendezvous_read(self, source: End, into: Code) -> Statements:
+        before, channel = self._channel(self.spelling.source(source))
+        waits = (*self._awaited(source, channel), YIELD, assign(into, channel.field("value")))
+        return (*before, *self._met_writer(source, channel, into, waits))
+
+    def _met_writer(self, source: End, channel: Code, into: Code, otherwise: Statements) -> Statements:
+        """Take the value of the writer that waits; ``otherwise`` if none does."""
+        me, offered = self.spelling["me"], channel.field("offered")
+        if self.spelling.is_dedicated(source):
+            owner = channel.field("writer")
+            taken = (assign(into, offered), assign(offered, NONE), self.push(owner))
+            there = (*taken, *self.report(channel, into, owner, me))
+            return (if_(is_not_none(offered), *there), else_(*otherwise))
+        writer = self.spelling["writer"]
         there = (
             assign(channel.field("writing"), NONE),
-            assign(into, channel.field("offered")),
-            *self._lowered(channel, alternated),
+            assign(into, offered),
+            *self._lowered(channel, is_alternated(self.spelling.medium(source))),
             self.push(writer),
             *self.report(channel, into, writer, me),
         )
-        waits = (assign(channel.field("reading"), me), YIELD, assign(into, channel.field("value")))
-        return (assign(writer, channel.field("writing")), if_(is_not_none(writer), *there), else_(*waits))
+        return (assign(writer, channel.field("writing")), if_(is_not_none(writer), *there), else_(*otherwise))
+
+    def _awaited(self, source: End, channel: Code) -> Statements:
+        """Be the reader that waits."""
+        if not self.spelling.is_dedicated(source):
+            return (assign(channel.field("reading"), self.spelling["me"]),)
+        return (*self._belongs_to_me(channel, "reader"), assign(channel.field("value"), NONE))
+
+    def _belongs_to_me(self, channel: Code, end: Literal["reader", "writer"]) -> Statements:
+        """Note whose an end of a dedicated channel is: if it has a variable to itself, once in each function."""
+        note = assign(channel.field(end), self.spelling["me"])
+        if channel == self.spelling["channel"]:
+            return (note,)
+        self.owned[note] = None
+        return ()
 
     @staticmethod
     def _lowered(channel: Code, alternated: bool) -> Statements:
@@ -178,8 +215,7 @@ class Communications:
             return (assign(self.spelling.value_at(sink), value),)
         end = self.spelling.sink(sink)
         if is_inline(medium):
-            before, channel = self._channel(end)
-            return (*self.check(), *before, *self._rendezvous_write(channel, value, is_alternated(medium)))
+            return (*self.check(), *self._rendezvous_write(sink, value))
         if medium.kind == "latched" and (isinstance(value, Name) or value in (TRUE, FALSE)):
             return (*self.check(), *self._latched(sink, end, value))
         if medium.kind in WRITTEN_AT_ONCE:
@@ -208,27 +244,34 @@ class Communications:
             return (refused,)
         return (if_(is_finite(value), *latch), else_(refused))
 
-    def _rendezvous_write(self, channel: Code, value: Code, alternated: bool) -> Statements:
-        waits = (*self._offered(channel, value, alternated), YIELD)
-        return self._met_reader(channel, value, waits)
+    def _rendezvous_write(self, sink: End, value: Code) -> Statements:
+        before, channel = self._channel(self.spelling.sink(sink))
+        return (*before, *self._met_reader(sink, channel, value, (*self._offered(sink, channel, value), YIELD)))
 
-    def _met_reader(self, channel: Code, value: Code, otherwise: Statements) -> Statements:
+    def _met_reader(self, sink: End, channel: Code, value: Code, otherwise: Statements) -> Statements:
         """Pass a value to the reader that waits for it; ``otherwise`` if none does."""
-        me, reader = self.spelling["me"], self.spelling["reader"]
+        me = self.spelling["me"]
+        passed = assign(channel.field("value"), value)
+        if self.spelling.is_dedicated(sink):
+            owner = channel.field("reader")
+            there = (passed, self.push(owner), *self.report(channel, value, me, owner))
+            return (if_(infix("is", COMPARISON, channel.field("value"), NONE), *there), else_(*otherwise))
+        reader = self.spelling["reader"]
         there = (
             assign(channel.field("reading"), NONE),
-            assign(channel.field("value"), value),
+            passed,
             self.push(reader),
             *self.report(channel, value, me, reader),
         )
         return (assign(reader, channel.field("reading")), if_(is_not_none(reader), *there), else_(*otherwise))
 
-    def _offered(self, channel: Code, value: Code, alternated: bool) -> Statements:
-        parked = (
-            assign(channel.field("writing"), self.spelling["me"]),
-            assign(channel.field("offered"), value),
-        )
-        if not alternated:
+    def _offered(self, sink: End, channel: Code, value: Code) -> Statements:
+        """Be the writer that waits."""
+        offer = assign(channel.field("offered"), value)
+        if self.spelling.is_dedicated(sink):
+            return (*self._belongs_to_me(channel, "writer"), offer)
+        parked = (assign(channel.field("writing"), self.spelling["me"]), offer)
+        if not is_alternated(self.spelling.medium(sink)):
             return parked
         guards, bit = self.spelling["ready_guards"], channel.field("bit")
         return (
@@ -273,25 +316,12 @@ class Communications:
         return self.check() if before else ()
 
     def _rendezvous_reads(self, reads: Sequence[tuple[End, Code]]) -> Statements:
-        me, writer, waiting = (self.spelling[name] for name in ("me", "writer", "waiting"))
+        waiting = self.spelling["waiting"]
         begun: list[Statement] = [assign(waiting, WholeNumber(0))]
         for source, _ in reads:
-            alternated = is_alternated(self.spelling.medium(source))
             before, channel = self._channel(self.spelling.source(source))
-            value = channel.field("value")
-            there = (
-                assign(channel.field("writing"), NONE),
-                assign(value, channel.field("offered")),
-                *self._lowered(channel, alternated),
-                self.push(writer),
-                *self.report(channel, value, writer, me),
-            )
-            begun += [
-                *before,
-                assign(writer, channel.field("writing")),
-                if_(is_not_none(writer), *there),
-                else_(assign(channel.field("reading"), me), change(waiting, "+=", WholeNumber(1))),
-            ]
+            waits = (*self._awaited(source, channel), change(waiting, "+=", WholeNumber(1)))
+            begun += [*before, *self._met_writer(source, channel, channel.field("value"), waits)]
         taken = [assign(into, self.spelling.source(source).field("value")) for source, into in reads]
         return (*begun, self._all_done(), *taken)
 
@@ -337,8 +367,8 @@ class Communications:
                 begun += self.write(sink, value)
                 continue
             before, channel = self._channel(self.spelling.sink(sink))
-            offered = (*self._offered(channel, value, is_alternated(medium)), change(waiting, "+=", WholeNumber(1)))
-            begun += [*before, *self._met_reader(channel, value, offered)]
+            offered = (*self._offered(sink, channel, value), change(waiting, "+=", WholeNumber(1)))
+            begun += [*before, *self._met_reader(sink, channel, value, offered)]
         return (*begun, self._all_done())
 
     def take(self, source: End, into: Code, guards: Code, index: int) -> Statements:

@@ -194,6 +194,7 @@ class _ProcessWriter(ConstructorWriter):
         failed = (run(own("fail").called(me, error)), RAISE)
         code += (
             *self.composition.prepared,
+            *self.composition.communications.owned,
             run(own("start").called(me)),
             try_(*self._generator(body)),
             Block("except", Name("BaseException"), failed, bound=error.text),
@@ -256,7 +257,10 @@ class _ProcessWriter(ConstructorWriter):
         return Function("__init__", self._parameters(), statements)
 
     def _port_annotation(self, port: Port) -> str:
-        kinds = {self._end_class(medium, port.direction) for medium in port.media}
+        kinds = {
+            self._end_class(medium, port.direction, PortEnd(port.name, None if port.size is None else index))
+            for index, medium in enumerate(port.media)
+        }
         value = annotation(port.type, self.imports)
         if len(kinds) == 1:
             one = f"{self.imports.runtime(kinds.pop())}[{value}]"
@@ -264,7 +268,9 @@ class _ProcessWriter(ConstructorWriter):
             one = self.imports.standard("typing", "Any")
         return one if port.size is None else f"{self.imports.standard('collections.abc', 'Sequence')}[{one}]"
 
-    def _end_class(self, medium: Medium, direction: str) -> str:
+    def _end_class(self, medium: Medium, direction: str, end: End) -> str:
+        if self.spelling.is_dedicated(end):
+            return "Dedicated"
         if is_inline(medium):
             return "Alternated" if is_alternated(medium) else "Rendezvous"
         if medium.kind == "var":
@@ -329,7 +335,9 @@ class _ProcessWriter(ConstructorWriter):
 
     def _channel_class(self, channel: LocalChannel) -> str:
         medium = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
-        return self._end_class(medium, "in") if is_inline(medium) else super()._channel_class(channel)
+        if not is_inline(medium):
+            return super()._channel_class(channel)
+        return self._end_class(medium, "in", ChannelEnd(channel.name))
 
     def _created(self) -> Iterator[Statement]:
         """Reading ends, instances and alternatives, in the required order of creation."""

@@ -9,6 +9,7 @@ from cspdiag.codegen.python.fast.storage import local_variables
 from cspdiag.codegen.python.plain.members import Members
 from cspdiag.codegen.python.text.code import SELF, Attribute, Code, Element, Name, own
 from cspdiag.model.types import Type
+from cspdiag.network.flow.dedicated import dedicated_places, place_of
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ReadInputs, RunLaw, WriteOutputs
 from cspdiag.network.ir.network import Medium, Network, ProcessClass
 from cspdiag.network.ir.walk import parts
@@ -59,6 +60,7 @@ class Spelling:
         self._locals = local_variables(self.process, self.runs_again, self.probed)
         self._media = {port.name: port.media for port in self.process.ports}
         self._channels = {channel.name: channel for channel in self.process.channels}
+        self._dedicated = dedicated_places(self.network)
         self.helpers = {name: names.fresh(name) for name in _HELPERS}
         self.parts: dict[str, str] = {}
         """Attributes of inlined processes and of laws, by instance."""
@@ -171,6 +173,10 @@ class Spelling:
         channel = self._channels[end.channel]
         return Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
 
+    def is_dedicated(self, end: End) -> bool:
+        """Whether each end of the channel belongs to one task."""
+        return place_of(self.process.name, end) in self._dedicated
+
     def type_of(self, end: End) -> Type:
         """The type of the values that are passed at an end."""
         if isinstance(end, PortEnd):
@@ -198,7 +204,9 @@ class Spelling:
 
 
 def is_inline(medium: Medium) -> bool:
-    """Whether the generated code itself communicates over it, in the slots of a ``Rendezvous``."""
+    """Whether the generated code itself communicates over it, in the slots of a ``Rendezvous`` or a ``Dedicated``
+    channel.
+    """
     return medium.kind == "sync" and not medium.guarded_writes
 
 

@@ -63,7 +63,7 @@ def test_elements_share_their_names_unless_each_communication_reports_them() -> 
 
 
 @pytest.mark.parametrize(
-    ("operator", "readied"), [("||", "queue.append(reader.entry)"), ("||>", "ready_queue.append(")]
+    ("operator", "readied"), [("||", "queue.append(o.reader.entry)"), ("||>", "ready_queue.append(")]
 )
 def test_generators_are_readied_directly_unless_there_are_levels_of_priority(operator: str, readied: str) -> None:
     files = generated(PAIR % operator)
