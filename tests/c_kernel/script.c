@@ -323,8 +323,9 @@ void csp_observe_end(csp_kernel *csp, uint32_t number)
     printf("%6.1f ms  %s ends\n", (double)csp->now / 1e6, all[number - 1U].name);
 }
 
-static void print_waiting(csp_kernel *csp, const csp_waiting_process *waiting)
+static void print_waiting(csp_kernel *csp, const csp_waiting_process *waiting, void *context)
 {
+    (void)context;
     char text[200];
     csp_describe_waiting(csp, waiting, text, sizeof(text));
     printf("           %s\n", text);
@@ -357,7 +358,7 @@ void script_run(script *scripts, const char *const *channel_names, const script_
     const csp_ending ending = csp_run(csp, until);
     printf("%6.1f ms  %s\n", (double)csp->now / 1e6, endings[ending]);
     if (ending == CSP_DEADLOCK) {
-        csp_report_waiting(csp, print_waiting);
+        csp_report_waiting(csp, print_waiting, NULL);
     }
     if (ending == CSP_FAILED) {
         csp_describe_error(csp, text, sizeof(text));

@@ -142,3 +142,30 @@ def test_without_a_debugger_the_program_continues(package: Path) -> None:
         lines = [process.stdout.readline().strip() for _ in range(4)]
         process.kill()
     assert lines[2:] == BOTH
+
+
+def superloop(folder: Path, program: str, main: str) -> list[str]:
+    """What a superloop writes that includes nothing of the program but the header of its step interface."""
+    need("arm-none-eabi-gcc", "qemu-system-arm")
+    for path, text in pipeline.generate(network_of(read(program)), read, "c", 1).items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    hosted = {*HOSTED, "csp_port_simulation.c", "csp_port_posix.c", "main_simulation.c"}
+    sources = [file for file in sorted(folder.rglob("*.c")) if file.name not in hosted]
+    sources = [file for file in sources if "_environment" not in file.name]
+    loop, made = HERE / "cortex_m" / main, folder / "superloop.elf"
+    run("arm-none-eabi-gcc", *compiling(folder), *sources, loop, *LINKED, "-o", made)
+    command: list[str | Path] = [*MACHINE, *CLOCK, "-kernel", made]
+    completed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout.splitlines()
+
+
+def test_no_event_of_an_interrupt_is_lost_unreported(tmp_path: Path) -> None:
+    lines = superloop(tmp_path, "tests/c_kernel/devices/counter.csp", "superloop.c")
+    assert lines == ["state 6", "overwritten some 1", "lost 0", "released 1"]
+
+
+def test_an_interrupt_stops_the_spindle(tmp_path: Path) -> None:
+    lines = superloop(tmp_path, "models/emergency/emergency.csp", "emergency.c")
+    assert lines == ["brake off", "brake on", "halted", "brake is safe", "not halted", "ended by itself"]

@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.cli.main import main
 from tests.c_kernel.building import HERE, STRICT, need, run
 from tests.conformance.sources import network_of, read
 
+ROOT = Path(__file__).parents[2]
 PLATFORM = "csp_platform"
 """What belongs to the process of the operating system, or to the machine: which run its handlers stop."""
 HOSTED = ("main_", "csp_linear", "csp_port_", "csp_signals", "csp_simulation", "csp_stream", "csp_watch")
@@ -41,6 +43,115 @@ def test_no_object_has_writable_data(program: str, level: int, tmp_path: Path) -
     assert [symbol[:3] for symbol in symbols if symbol[2] in "bBdDC"] == []
 
 
+def by_the_interface(folder: Path, program: str, main: Path, compiler: str, *options: str) -> Path:
+    """A program with a main that uses nothing but its step interface, without platform and runs."""
+    sources = [path for path in package(folder, program, 1) if path.stem not in (PLATFORM, "csp_run")]
+    flags = (*STRICT, "-Wshadow", "-Wcast-qual", "-D_POSIX_C_SOURCE=200809L", "-g", *options)
+    includes = (f"-I{folder}", f"-I{folder / 'support'}")
+    run(compiler, *flags, *includes, *sources, main, "-lm", "-pthread", "-o", folder / "program")
+    return folder / "program"
+
+
+@pytest.fixture(scope="module", params=["gcc", "clang"])
+def machine(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The machine, by its step interface, with sanitizers."""
+    need(request.param)
+    checked = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    folder = tmp_path_factory.mktemp("machine")
+    main = HERE / "devices" / "interface.c"
+    return by_the_interface(folder, "tests/c_kernel/devices/machine.csp", main, request.param, *checked)
+
+
+MORE, BUDGET, REFUSED, ENDED, FAILED, DEADLOCK, STOPPED = range(7)
+
+
+def test_what_cannot_begin_is_refused_with_a_reason(machine: Path) -> None:
+    assert run(machine, "refuse").splitlines() == [
+        "1 the hook `sample` is missing",
+        "1 the hook `actuate` is missing",
+        "1 the hook `lock` or `unlock` is missing",
+        "1 the hook `lock` or `unlock` is missing",
+        "1 the memory is too small: machine_memory is large enough",
+        "1 the memory is misaligned: machine_memory has the alignment",
+        "1 there is no memory",
+        "1 there are no hooks",
+        "nothing done 1",
+        "0 ",
+    ]
+
+
+def test_a_run_in_steps(machine: Path) -> None:
+    assert run(machine, "run").splitlines() == [
+        "next 0",
+        f"state {MORE}: running; driven 4, last 4, released 0, afterwards 0",
+        f"next 12, backwards {REFUSED}, beyond the end {REFUSED}",
+        f"budget {BUDGET}",
+        "overwritten 0 1, wakes 2",
+        f"state {ENDED}: ended by itself; driven 6, last -1, released 2, afterwards 0",
+        f"lamp 0, alive 1, again {ENDED}, next 1",
+        f"after finish {REFUSED}, released 2",
+    ]
+
+
+def test_a_reset_and_a_release_hand_over_safe_values(machine: Path) -> None:
+    assert run(machine, "reset").splitlines() == [
+        "released by the reset 2",
+        f"state {STOPPED}: stopped; driven 2, last -1, released 2, afterwards 0",
+        f"state {MORE}: running; driven 4, last -1, released 2, afterwards 0",
+    ]
+
+
+def test_who_is_late_misses_samples_in_real_time_only(machine: Path) -> None:
+    late, at_leisure = run(machine, "late").splitlines()
+    missed = "Timeout: a sample of Machine.level was overwritten before it had been taken, in Machine (machine.csp:14)"
+    assert late == f"state {FAILED}: {missed}; driven 1, last -1, released 2, afterwards 0"
+    assert at_leisure == f"state {MORE}: running; driven 5, last 4, released 0, afterwards 0"
+
+
+def test_a_driver_without_samples_and_with_a_nan(machine: Path) -> None:
+    silent, nan = run(machine, "bad").splitlines()
+    assert silent == f"state {MORE}: running; driven 2, last 2, released 0, afterwards 0"
+    fault = "Fault: nan is written to Machine.drive, in Machine (machine.csp:14)"
+    assert nan == f"state {FAILED}: {fault}; driven 2, last -1, released 2, afterwards 0"
+
+
+def test_a_restored_run_continues_as_the_saved_one(machine: Path) -> None:
+    restored, other, refusals, ended = run(machine, "restore").splitlines()
+    assert restored == other == f"state {MORE}: running; driven 79, last 79, released 0, afterwards 0"
+    assert refusals == "of another instance 0, of another build 0"
+    assert ended.startswith(f"state {ENDED}")
+
+
+@pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
+def test_no_event_of_another_thread_is_lost_unreported(sanitizer: str, tmp_path: Path) -> None:
+    need("gcc")
+    checked = ("-O1", f"-fsanitize={sanitizer}", "-fno-sanitize-recover=all")
+    main = HERE / "devices" / "counting.c"
+    image = by_the_interface(tmp_path, "tests/c_kernel/devices/counter.csp", main, "gcc", *checked)
+    assert run(image).splitlines() == [f"lost 0, in order 1, last 1, state {MORE}", f"stopped {STOPPED}"]
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("program", [*PROGRAMS, "models/cascade/cascade.csp", "models/emergency/emergency.csp"])
+def test_the_size_in_the_header_suffices_and_is_not_much_more(program: str, level: int, tmp_path: Path) -> None:
+    """That it suffices is asserted in the generated source; here it is also compiled as C++."""
+    need("gcc", "g++", "nm")
+    package(tmp_path, program, level)
+    (header,) = tmp_path.glob("*_api.h")
+    stem = header.stem.removesuffix("_api")
+    text = f'#include "{header.stem}.c"\nchar measured[sizeof({stem}_instance)];\nchar given[{stem.upper()}_SIZE];\n'
+    (tmp_path / "measure.c").write_text(text)
+    (tmp_path / "user.cpp").write_text(
+        f'#include "{header.name}"\nint main() {{ return {stem}_continues({stem}_state()); }}\n'
+    )
+    run("gcc", "-std=c99", f"-I{tmp_path}", f"-I{tmp_path / 'support'}", "-c", "measure.c", cwd=tmp_path)
+    warnings = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+    run("g++", "-std=c++11", *warnings, "-fsyntax-only", "user.cpp", cwd=tmp_path)
+    rows = [line.split() for line in run("nm", "-P", tmp_path / "measure.o").splitlines()]
+    sizes = {row[0]: int(row[3], 16) for row in rows if row[0] in ("measured", "given")}
+    assert sizes["measured"] <= sizes["given"] <= sizes["measured"] * 1.1
+
+
 @pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
 def test_instances_do_not_touch_each_other(sanitizer: str, tmp_path: Path) -> None:
     need("gcc")
@@ -54,3 +165,44 @@ def test_instances_do_not_touch_each_other(sanitizer: str, tmp_path: Path) -> No
     assert alone == "0: 49 driven, sum 612.5, lamp 1, released 1"
     assert other == "0: 98 driven, sum 9702, lamp 1, released 1"
     assert rest == [alone, other] * 2
+
+
+def test_two_programs_fit_in_one_image(tmp_path: Path) -> None:
+    """Each as one object, of which nothing is visible but what begins with its name."""
+    need("gcc", "make", "ld", "objcopy", "nm")
+    made = []
+    for name in ("machine", "counter"):
+        folder = tmp_path / name
+        package(folder, f"tests/c_kernel/devices/{name}.csp", 0)
+        run("make", "-s", "-C", folder, "CFLAGS=-O1 -fno-pie", f"{name}.o")
+        made.append(folder / f"{name}.o")
+        symbols = [line.split() for line in run("nm", "-P", "-g", made[-1]).splitlines()]
+        assert [row[0] for row in symbols if row[1] != "U" and not row[0].startswith(f"{name}_")] == []
+        assert [row[0] for row in symbols if row[0].startswith("csp_")] == []
+    main = HERE / "devices" / "two_programs.c"
+    includes = (f"-I{tmp_path / 'machine'}", f"-I{tmp_path / 'counter'}")
+    run("gcc", *STRICT, "-no-pie", *includes, main, *made, "-lm", "-o", tmp_path / "program")
+    assert run(tmp_path / "program").splitlines() == [f"machine {ENDED}, driven 4", f"counter {MORE}, taken 1"]
+
+
+def test_the_superloop_from_an_empty_folder(tmp_path: Path) -> None:
+    """The commands of its page."""
+    need("cc", "make", "ld", "objcopy")
+    example = ROOT / "examples" / "c" / "superloop"
+    for name in ("tank.csp", "main.c"):
+        (tmp_path / name).write_text((example / name).read_text(encoding="utf-8"), encoding="utf-8")
+    page = (example / "README.md").read_text(encoding="utf-8")
+    compiling, *commands, running = [line.split() for line in page.splitlines() if line.startswith("    ")]
+    assert compiling[0] == "cspdiag"
+    assert main([compiling[1], str(tmp_path / "tank.csp"), *compiling[3:5], "-o", str(tmp_path / "build")]) == 0
+    for command in commands:
+        run(*command, cwd=tmp_path)
+    lines = run(tmp_path / running[0]).splitlines()
+    assert lines == [
+        "level 0.87",
+        "lamp on",
+        "output 0 is safe",
+        "lamp off",
+        "output 1 is safe",
+        "ended by itself at 20.00 s",
+    ]

@@ -232,15 +232,18 @@ void csp_event_occur(csp_kernel *csp, csp_event_input *port)
     }
 }
 
-void csp_event_bring(csp_kernel *csp, csp_event_input *port, const void *value)
+bool csp_event_bring(csp_kernel *csp, csp_event_input *port, const void *value)
 {
+    bool overwrites = false;
     const uint32_t outside = csp_lock(csp);
     if (port->brought != NULL) {
+        overwrites = CSP_LOAD(port->news);
         (void)memcpy(port->brought, value, port->brought_size);
         CSP_STORE(port->news, true);
     }
     csp_unlock(csp, outside);
     csp_announce_event(csp);
+    return overwrites;
 }
 
 void csp_event_take_over(csp_kernel *csp, csp_event_input *port)

@@ -102,9 +102,9 @@ csp_progress csp_event_read_again(csp_kernel *csp, csp_party *party, csp_event_e
 
 /* The environment offers a value, which is in `port->value`; not for interrupt handlers. */
 void csp_event_occur(csp_kernel *csp, csp_event_input *port);
-/* Called by an interrupt handler to bring an event, which occurs between two steps of processes. The latest value counts. Not to be called before
- * the network is built. */
-void csp_event_bring(csp_kernel *csp, csp_event_input *port, const void *value);
+/* Called by an interrupt handler to bring an event, which occurs between two steps of processes. The latest value counts: returns whether it has
+ * overwritten one. Not to be called before the network is built. */
+bool csp_event_bring(csp_kernel *csp, csp_event_input *port, const void *value);
 /* Makes the event occur that an interrupt handler has brought. */
 void csp_event_take_over(csp_kernel *csp, csp_event_input *port);
 

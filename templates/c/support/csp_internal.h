@@ -163,10 +163,6 @@ bool csp_event_can_come(const csp_event_input *port, bool interrupts);
 
 /* ---- Runs ---- */
 
-/* Around accesses to what interrupt handlers bring; nested. */
-uint32_t csp_lock(csp_kernel *csp);
-void csp_unlock(csp_kernel *csp, uint32_t outside);
-
 /* To be called when an interrupt handler has brought an event. */
 void csp_announce_event(csp_kernel *csp);
 

@@ -112,6 +112,11 @@ void csp_request_stop(csp_kernel *csp);
 /* Writes the safe values now, if the run will not reach its end: for fault handlers of the processor. Each output gets its safe value once, and
  * no other value after that. Threads other than that of the run call csp_request_stop instead. */
 void csp_release_outputs(csp_kernel *csp);
+/* Whether safe values are being written, or have been. */
+bool csp_is_releasing(csp_kernel *csp);
+/* Around accesses to what interrupt handlers bring; may be nested. */
+uint32_t csp_lock(csp_kernel *csp);
+void csp_unlock(csp_kernel *csp, uint32_t outside);
 /* Whether there is a run, and its outputs are not released. */
 bool csp_is_driving(csp_kernel *csp);
 /* Gives up the outputs: from now on nothing is written to them. */
@@ -128,8 +133,8 @@ typedef struct csp_waiting_process {
 } csp_waiting_process;
 
 /* Called once for every process that waits, in the order of the text. */
-typedef void csp_report(csp_kernel *csp, const csp_waiting_process *waiting);
-void csp_report_waiting(csp_kernel *csp, csp_report *report);
+typedef void csp_report(csp_kernel *csp, const csp_waiting_process *waiting, void *context);
+void csp_report_waiting(csp_kernel *csp, csp_report *report, void *context);
 
 typedef struct csp_wait_entry {
     const char *words; /* "to read", "to write", "for a delay to pass", "after", "skip"... */

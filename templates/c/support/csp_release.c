@@ -23,6 +23,11 @@ bool csp_is_driving(csp_kernel *csp)
     return (csp != NULL) && CSP_LOAD(csp->driving);
 }
 
+bool csp_is_releasing(csp_kernel *csp)
+{
+    return CSP_LOAD(csp->closed);
+}
+
 csp_calls csp_calls_now(csp_kernel *csp)
 {
     if (csp == NULL) {

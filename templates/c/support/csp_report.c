@@ -21,7 +21,7 @@ static bool waits_for_branches(const csp_process *process)
     return (parallel != NULL) && (parallel->pending > 0U);
 }
 
-void csp_report_waiting(csp_kernel *csp, csp_report *report)
+void csp_report_waiting(csp_kernel *csp, csp_report *report, void *context)
 {
     csp_process *task = csp_outermost(csp);
     while (task != NULL) {
@@ -32,7 +32,7 @@ void csp_report_waiting(csp_kernel *csp, csp_report *report)
             parallel->index = 0U;
         } else {
             const csp_waiting_process waiting = {parent, csp_place_of(parent)};
-            report(csp, &waiting);
+            report(csp, &waiting, context);
             parent = csp_parent_of(task);
         }
         task = NULL;

@@ -107,8 +107,9 @@ static void count_misses(csp_kernel *csp)
     }
 }
 
-static void show_waiting(csp_kernel *csp, const csp_waiting_process *waiting)
+static void show_waiting(csp_kernel *csp, const csp_waiting_process *waiting, void *context)
 {
+    (void)context;
     char text[TEXT] = "";
     csp_describe_waiting(csp, waiting, text, sizeof text);
     (void)fprintf(stderr, "  %s\n", text);
@@ -146,7 +147,7 @@ static void show(csp_kernel *csp, csp_ending ending, double duration)
     }
     (void)fprintf(stderr, "\n  simulated in %.3g s, %.0f times real time\n", duration, simulated / duration);
     if (ending == CSP_DEADLOCK) {
-        csp_report_waiting(csp, show_waiting);
+        csp_report_waiting(csp, show_waiting, NULL);
     }
     show_missed(csp);
 }

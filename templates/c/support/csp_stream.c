@@ -365,8 +365,9 @@ static void report_waiting_at(csp_kernel *csp, const csp_wait_entry *entry)
     }
 }
 
-static void report_waiting_process(csp_kernel *csp, const csp_waiting_process *waiting)
+static void report_waiting_process(csp_kernel *csp, const csp_waiting_process *waiting, void *context)
 {
+    (void)context;
     char text[TEXT] = "";
     csp_wait_entry entry;
     name_all_channels(csp);
@@ -489,7 +490,7 @@ bool csp_stream_end(csp_kernel *csp, csp_ending ending, double duration)
     report_execution_times(csp);
 #endif
     if (ending == CSP_DEADLOCK) {
-        csp_report_waiting(csp, report_waiting_process);
+        csp_report_waiting(csp, report_waiting_process, NULL);
     }
     for (uint32_t index = 0; index < csp->program->port_count; index++) {
         if (csp->program->ports[index].kind == CSP_PORT_SAMPLED) {

@@ -82,7 +82,7 @@ static void on_timer(void)
     } else {
         /* It is the button. */
     }
-    network_bring_button(&network, true);
+    (void)network_bring_button(&network, true);
 }
 
 extern void (*const interrupts[])(void);

@@ -66,7 +66,7 @@ static csp_ending advance(struct plant *plant, int64_t until)
 {
     csp_ending ending = CSP_BUDGET;
     if (until == plant->pressed_at) {
-        network_bring_button(&plant->network, true);
+        (void)network_bring_button(&plant->network, true);
     }
     while (ending == CSP_BUDGET) {
         ending = csp_advance(&plant->network.kernel, until, STEPS);

@@ -19,7 +19,7 @@ static void press(int number)
     static int64_t pressed;
     (void)number;
     pressed++;
-    csp_event_bring(&script_kernel, &button, &pressed);
+    (void)csp_event_bring(&script_kernel, &button, &pressed);
 }
 
 static void put(void *device, const void *value)

@@ -25,6 +25,7 @@ from cspdiag.codegen.c.text.statements import (
     Statement,
     define,
     lines,
+    return_value,
     run,
     signature,
     store,
@@ -172,13 +173,13 @@ class _NetworkFiles:
         return [port for port in self.network.external_ports if port.medium == "event"]
 
     def _bring_signature(self, port: ExternalPort, members: Names) -> tuple[str, tuple[str, ...]]:
-        head = f"void network_bring_{members[port.key]}"
+        head = f"bool network_bring_{members[port.key]}"
         return head, ("struct network *self", f"{self.types.type_name(port.type)} value")
 
     def _bring_declarations(self) -> list[str]:
         if not self._events:
             return []
-        rows = ["/* An interrupt handler brings an event: the latest value counts. */"]
+        rows = ["/* An interrupt handler brings an event: the latest value counts. True: it has overwritten one. */"]
         for port in self._events:
             rows += signature(*self._bring_signature(port, self._members()), ";")
         return [*rows, ""]
@@ -187,7 +188,7 @@ class _NetworkFiles:
         statements: list[Statement] = []
         for port in self._events:
             latest = address(_external(members[port.key]))
-            body = run(call("csp_event_bring", "&self->kernel", latest, "&value"))
+            body = return_value(call("csp_event_bring", "&self->kernel", latest, "&value"))
             statements += [*([Blank()] if statements else []), Function(*self._bring_signature(port, members), (body,))]
         return lines(statements)
 

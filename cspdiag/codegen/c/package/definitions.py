@@ -14,10 +14,30 @@ from cspdiag.model.types import ArrayType, StructType, Type
 from cspdiag.network.ir.network import Network
 
 
-def types_header(network: Network, names: PackageNames, types: CTypes) -> str:
-    """`types.h`, with every type that ``types`` has named so far; to be generated last."""
-    rows = ["/* The types of the program. Every value can be assigned: an array is a struct with one member. */"]
+def plain_types_header(network: Network, name: str, types: CTypes) -> str:
+    """`NAME_types.h`: the types of values, for users of the program; to be generated last."""
+    guard = f"{name.upper()}_TYPES_H"
+    rows = [
+        "/* SPDX-License-Identifier: 0BSD",
+        " *",
+        " * The types of values: an array is a struct with one member, so it can be assigned.",
+        " */",
+    ]
+    rows += [f"#ifndef {guard}", f"#define {guard}", "", "#include <stdbool.h>", "#include <stdint.h>", ""]
+    for enum in network.enums:
+        rows += [*_enum(f"enum {types.names.types[enum.name]}", types.names.literals[enum.name]), ""]
+    for type_ in _in_order(network, types):
+        rows += [*_struct(type_, types), ""]
+    return "\n".join([*rows, "#endif", ""])
+
+
+def types_header(network: Network, names: PackageNames, types: CTypes, plain: str) -> str:
+    """`types.h`, with every type that ``types`` has named so far; to be generated last. ``plain`` is the header with
+    the types themselves.
+    """
+    rows = ["/* The types of the program, and how their values are compared and tested. */"]
     rows += ["#ifndef TYPES_H", "#define TYPES_H", "", "#include <stdbool.h>", "#include <stdint.h>", ""]
+    rows += [f'#include "{plain}"', ""]
     if network.structs or types.arrays:
         rows += ['#include "csp_arithmetic.h"', ""]
     elif names.exceptions:
@@ -26,10 +46,8 @@ def types_header(network: Network, names: PackageNames, types: CTypes) -> str:
         first, *others = names.exceptions.values()
         entries = [f"{first} = CSP_FIRST_EXCEPTION", *others]
         rows += ["/* The exceptions that the program declares. */", *_enum("enum", entries), ""]
-    for enum in network.enums:
-        rows += [*_enum(f"enum {names.types[enum.name]}", names.literals[enum.name]), ""]
     for type_ in _in_order(network, types):
-        rows += [*_struct(type_, types), ""]
+        rows += [*_functions(type_, types), ""]
     return "\n".join([*rows, "#endif", ""])
 
 
@@ -59,14 +77,18 @@ def _in_order(network: Network, types: CTypes) -> Iterator[StructType | ArrayTyp
 
 
 def _struct(type_: StructType | ArrayType, types: CTypes) -> list[str]:
-    name, suffix = types.type_name(type_), types.suffix(type_)
+    name = types.type_name(type_)
     if isinstance(type_, StructType):
         members = [define(types.type_name(field), types.field(member)) for member, field in type_.fields]
     else:
         members = [define(types.type_name(type_.element), f"at[{type_.size}]")]
-    rows = [*lines([Block(tuple(members), name, "};")]), ""]
+    return lines([Block(tuple(members), name, "};")])
+
+
+def _functions(type_: StructType | ArrayType, types: CTypes) -> list[str]:
+    name, suffix = types.type_name(type_), types.suffix(type_)
     compared = (f"{name} left", f"{name} right")
-    rows += lines([Function(f"static inline bool {suffix}_equal", compared, tuple(_equality(type_, types)))])
+    rows = lines([Function(f"static inline bool {suffix}_equal", compared, tuple(_equality(type_, types)))])
     if types.has_reals(type_):
         parameters = (KERNEL, f"{name} value", "const char *port")
         finite_check = Function(f"static inline void {suffix}_finite", parameters, tuple(_finiteness(type_, types)))

@@ -7,12 +7,13 @@ from weakref import ref
 
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record
+from cspdiag.codegen.c.interface.api import interface_files
 from cspdiag.codegen.c.laws.by_hand import checks_file
 from cspdiag.codegen.c.laws.external import external_files
 from cspdiag.codegen.c.laws.laws import law_files
 from cspdiag.codegen.c.network.environments import environment_files
 from cspdiag.codegen.c.network.network import network_files
-from cspdiag.codegen.c.package.definitions import constants_header, types_header
+from cspdiag.codegen.c.package.definitions import constants_header, plain_types_header, types_header
 from cspdiag.codegen.c.package.refusals import refuse
 from cspdiag.codegen.c.process.levels import separate_depths
 from cspdiag.codegen.c.text.literals import in_comment
@@ -146,8 +147,15 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
         main = Simulation(network.top, [_scenario(entry, names) for entry in environments])
         files["main_simulation.c"] = render("main_simulation.c.j2", main=main)
     files["constants.h"] = constants_header(lowered, names, types)
-    files["types.h"] = types_header(lowered, names, types)
+    prefix = library_name(names.package)
+    files[f"{prefix}_types.h"] = plain_types_header(lowered, prefix, types)
+    files["types.h"] = types_header(lowered, names, types, f"{prefix}_types.h")
     support = support_files()
+    headers = [text for path, text in {**support, **files}.items() if path.endswith(".h")]
+    identifying = {path: text for path, text in {**support, **files}.items() if path != "main_simulation.c"}
+    interface = interface_files(lowered, names, types, identifying, headers, render)
+    files.update(interface)
+    program = sorted([*program, *(path for path in interface if path.endswith(".c"))])
     kernel = sorted(
         path for path in support if path.endswith(".c") and path not in _SIMULATION and not path.startswith("csp_port_")
     )

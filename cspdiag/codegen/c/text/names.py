@@ -116,7 +116,8 @@ class PackageNames(Package):
 
     def __init__(self, network: Network) -> None:
         super().__init__(network)
-        self._names = Names((*FILES, *HEADERS, *_NETWORK_NAMES))
+        interface = (f"{library_name(self.package)}_{part}" for part in ("api", "types"))
+        self._names = Names((*FILES, *HEADERS, *_NETWORK_NAMES, *interface))
         self.types: Mapping[str, str] = {
             name: self._fresh(name) for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
         }

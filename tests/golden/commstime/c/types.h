@@ -1,9 +1,11 @@
-/* The types of the program. Every value can be assigned: an array is a struct with one member. */
+/* The types of the program, and how their values are compared and tested. */
 #ifndef TYPES_H
 #define TYPES_H
 
 #include <stdbool.h>
 #include <stdint.h>
+
+#include "commstime_types.h"
 
 #include "csp_core.h"
 

@@ -46,8 +46,8 @@ struct network_drivers {
 void network_initialize(struct network *self, const struct network_drivers *drivers,
     const csp_hooks *hooks);
 
-/* An interrupt handler brings an event: the latest value counts. */
-void network_bring_panel(struct network *self, enum button value);
+/* An interrupt handler brings an event: the latest value counts. True: it has overwritten one. */
+bool network_bring_panel(struct network *self, enum button value);
 
 extern const csp_program network_program;
 

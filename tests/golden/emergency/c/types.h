@@ -1,10 +1,10 @@
-/* The types of the program. Every value can be assigned: an array is a struct with one member. */
+/* The types of the program, and how their values are compared and tested. */
 #ifndef TYPES_H
 #define TYPES_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-enum button { BUTTON_NONE, BUTTON_START, BUTTON_EMERGENCY };
+#include "emergency_types.h"
 
 #endif

@@ -120,7 +120,7 @@ void network_initialize(struct network *self, const struct network_drivers *driv
         });
 }
 
-void network_bring_joystick_buttons(struct network *self, int64_t value)
+bool network_bring_joystick_buttons(struct network *self, int64_t value)
 {
-    csp_event_bring(&self->kernel, &self->external.joystick_buttons, &value);
+    return csp_event_bring(&self->kernel, &self->external.joystick_buttons, &value);
 }

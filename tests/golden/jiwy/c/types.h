@@ -1,23 +1,16 @@
-/* The types of the program. Every value can be assigned: an array is a struct with one member. */
+/* The types of the program, and how their values are compared and tested. */
 #ifndef TYPES_H
 #define TYPES_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "jiwy_types.h"
+
 #include "csp_arithmetic.h"
 
 /* The exceptions that the program declares. */
 enum { EXCEPTION_MODE_FAILED = CSP_FIRST_EXCEPTION };
-
-struct servo_gains {
-    double kp;
-    int64_t tauD;
-    double beta;
-    int64_t tauI;
-    double friction;
-    double tolerance;
-};
 
 static inline bool servo_gains_equal(struct servo_gains left, struct servo_gains right)
 {

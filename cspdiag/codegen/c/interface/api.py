@@ -1,0 +1,259 @@
+"""`NAME_api.h` and `NAME_api.c`: a program in steps that never wait, with all its state in memory of its owner."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from zlib import crc32
+
+from cspdiag.base.record import record
+from cspdiag.codegen.c.interface.layout import Layout
+from cspdiag.codegen.c.network.external_ports import port_groups
+from cspdiag.codegen.c.text.code import Aggregate, Code, code
+from cspdiag.codegen.c.text.documents import comment
+from cspdiag.codegen.c.text.names import Names, PackageNames, library_name
+from cspdiag.codegen.c.text.statements import Block, Statement, define, lines, signature
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.shared.render import Render
+from cspdiag.model.types import ArrayType, EnumType, StructType
+from cspdiag.network.ir.network import ExternalPort, Network
+
+_FUNCTIONS = (
+    *("advance", "begin", "calculate", "continues", "describe", "finish", "hooks", "initialize", "input", "inputs"),
+    *("instance", "memory", "next", "output", "outputs", "release", "reset", "restore", "save", "state", "stop"),
+)
+"""What names of functions and types end with, and those of the outermost process."""
+
+
+@record
+class ApiText:
+    """What the templates of the interface are given."""
+
+    name: str
+    """The prefix of functions and types."""
+    top: str
+    size: int
+    build: str
+    """Eight characters that identify the program and its kernel."""
+    own_types: bool
+    """Whether ports have types that the program defines."""
+    inputs: bool
+    outputs: bool
+    events: bool
+    ports: list[str]
+    event_declarations: list[str]
+    instance: str
+    drivers: list[str]
+    connect: str
+    event_functions: list[str]
+
+
+@record
+class Interface:
+    """The interface of a program, whose names all begin with ``prefix``."""
+
+    network: Network
+    types: CTypes
+    prefix: str
+
+    @cached_property
+    def members(self) -> Mapping[str, str]:
+        """The members for the ports, by their keys; those of ``network.h``."""
+        names = Names()
+        return {port.key: names[port.key] for port in self.network.external_ports}
+
+    @cached_property
+    def events(self) -> list[ExternalPort]:
+        """Inputs that functions bring."""
+        return [port for port in self.network.external_ports if port.medium == "event"]
+
+    @cached_property
+    def inputs(self) -> list[ExternalPort]:
+        """Inputs that are sampled."""
+        return [port for port in self.network.external_ports if port.medium == "sampled"]
+
+    @cached_property
+    def outputs(self) -> list[ExternalPort]:
+        """All outputs."""
+        return [port for port in self.network.external_ports if port.direction == "out"]
+
+    @cached_property
+    def bringers(self) -> Mapping[str, str]:
+        """The functions that bring events, by the keys of their ports."""
+        taken = Names([f"{self.prefix}_{name}" for name in _FUNCTIONS])
+        return {port.key: taken.fresh(f"{self.prefix}_{self.members[port.key]}") for port in self.events}
+
+    def text(self, size: int, build: str) -> ApiText:
+        """What the templates are given, for instances of at most ``size`` bytes."""
+        return ApiText(
+            name=self.prefix,
+            top=self.network.top,
+            size=size,
+            build=build,
+            own_types=self.own_types,
+            inputs=bool(self.inputs),
+            outputs=bool(self.outputs),
+            events=bool(self.events),
+            ports=self.ports,
+            event_declarations=self.event_declarations,
+            instance=self.instance,
+            drivers=self.drivers,
+            connect=self.connect,
+            event_functions=self.event_functions,
+        )
+
+    @property
+    def own_types(self) -> bool:
+        """Whether ports have types that the program defines."""
+        return any(isinstance(port.type, StructType | ArrayType | EnumType) for port in self.network.external_ports)
+
+    # ---- The header
+
+    @property
+    def ports(self) -> list[str]:
+        """The structures of inputs and outputs, with a name for each port."""
+        groups = (self._ports("input", self.inputs, "Sampled inputs"), self._ports("output", self.outputs, "Outputs"))
+        return ["\n".join(rows) for rows in groups if rows]
+
+    def _ports(self, word: str, ports: Sequence[ExternalPort], title: str) -> list[str]:
+        if not ports:
+            return []
+        name = self.prefix
+        fields = [
+            define(self.types.type_name(port.type), self.members[port.key], remark=self._remark(port)) for port in ports
+        ]
+        literals = [f"    {self._literal(word, port)}," for port in ports]
+        literals[-1] = literals[-1].removesuffix(",")
+        return [
+            f"/* {title}, and a name for each. */",
+            *lines([Block(tuple(fields), f"typedef struct {name}_{word}s", f"}} {name}_{word}s;")]),
+            f"typedef enum {name}_{word} {{",
+            *literals,
+            f"}} {name}_{word};",
+        ]
+
+    def _literal(self, word: str, port: ExternalPort) -> str:
+        kind = "IN" if word == "input" else "OUT"
+        return f"{self.prefix}_{kind}_{self.members[port.key]}".upper()
+
+    def _remark(self, port: ExternalPort) -> str:
+        return " ".join(port.doc.split()) if port.doc else f"{self.network.top}.{port.key}"
+
+    @property
+    def event_declarations(self) -> list[str]:
+        """The declarations of the functions that bring events."""
+        return ["\n".join([*self._about(port), *self._bringer(port, ";")]) for port in self.events]
+
+    def _about(self, port: ExternalPort) -> list[str]:
+        return comment([" ".join(port.doc.split())]) if port.doc else []
+
+    def _bringer(self, port: ExternalPort, tail: str) -> list[str]:
+        parameters = (f"{self.prefix}_instance *self", f"{self.types.type_name(port.type)} value")
+        return signature(f"bool {self.bringers[port.key]}", parameters, tail)
+
+    # ---- The source
+
+    @property
+    def instance(self) -> str:
+        """The definition of the structure with all state."""
+        name = self.prefix
+        fields: list[Statement] = [define("struct network", "network"), define(f"{name}_hooks", "hooks")]
+        fields.append(define("csp_hooks", "kernel_hooks"))
+        fields += [define(f"{name}_inputs", "inputs")] if self.inputs else []
+        fields += [define(f"{name}_outputs", "outputs")] if self.outputs else []
+        fields += [define("char", "build[9]"), define("const csp_program *", "program")]
+        fields.append(define("const void *", "place", remark="where it was begun"))
+        return "\n".join(lines([Block(tuple(fields), f"struct {name}_instance", "};")]))
+
+    @property
+    def drivers(self) -> list[str]:
+        """The functions behind the ports, which call the hooks."""
+        functions = [*map(self._reader, self.inputs), *map(self._writer, self.outputs)]
+        return ["\n".join(rows) for rows in functions]
+
+    @property
+    def event_functions(self) -> list[str]:
+        """The functions that bring events."""
+        return ["\n".join([*self._bringer(port, ""), *self._brought(port)]) for port in self.events]
+
+    def _brought(self, port: ExternalPort) -> list[str]:
+        medium = f"&self->network.external.{self.members[port.key]}"
+        return ["{", "    return csp_event_bring(&self->network.kernel,", f"        {medium}, &value);", "}"]
+
+    def _reader(self, port: ExternalPort) -> list[str]:
+        member, name = self.members[port.key], self.prefix
+        return [
+            f"static bool read_{member}(void *device, void *value)",
+            "{",
+            f"    {name}_instance *const self = device;",
+            "    const bool came = self->hooks.sample(self->hooks.context,",
+            f"        {self._literal('input', port)}, &self->inputs);",
+            "    if (came) {",
+            f"        (void)memcpy(value, &self->inputs.{member},",
+            f"            sizeof self->inputs.{member});",
+            "    }",
+            "    return came;",
+            "}",
+        ]
+
+    def _writer(self, port: ExternalPort) -> list[str]:
+        member, name = self.members[port.key], self.prefix
+        return [
+            f"static void write_{member}(void *device, const void *value)",
+            "{",
+            f"    {name}_instance *const self = device;",
+            f"    (void)memcpy(&self->outputs.{member}, value,",
+            f"        sizeof self->outputs.{member});",
+            "    self->hooks.actuate(self->hooks.context,",
+            f"        {self._literal('output', port)}, &self->outputs, csp_is_releasing(&self->network.kernel));",
+            "}",
+        ]
+
+    @property
+    def connect(self) -> str:
+        """The function that builds the network with these functions behind its ports."""
+        drivers = [
+            (f".{self.types.field(group)}", self._drivers(ports))
+            for group, ports in port_groups(self.network.external_ports)
+        ]
+        rows = [f"static void connect({self.prefix}_instance *self)", "{"]
+        table = Aggregate(tuple(drivers) or ((None, code("0")),))
+        rows += lines([define("const struct network_drivers", "drivers", table)], 1)
+        rows += ["    network_initialize(&self->network, &drivers, &self->kernel_hooks);", "}"]
+        return "\n".join(rows)
+
+    def _drivers(self, ports: Sequence[ExternalPort]) -> Code:
+        entries = [self._driver(port) for port in ports]
+        return entries[0] if ports[0].index is None else Aggregate(tuple((None, entry) for entry in entries))
+
+    def _driver(self, port: ExternalPort) -> Code:
+        if port.medium == "event":
+            return Aggregate(((".device", code("NULL")),))
+        verb = "write" if port.direction == "out" else "read"
+        function = code(f"{verb}_{self.members[port.key]}")
+        return Aggregate(((".device", code("self")), (f".{verb}", function)))
+
+
+def interface_files(
+    network: Network,
+    names: PackageNames,
+    types: CTypes,
+    files: Mapping[str, str],
+    headers: Iterable[str],
+    render: Render,
+) -> dict[str, str]:
+    """The header and the source; ``files`` identify the program, ``headers`` are all headers of package and kernel."""
+    interface = Interface(network, types, library_name(names.package))
+    first = interface.text(0, "")
+    texts = [*headers, render("api.h.j2", api=first), first.instance]
+    size = Layout(texts, {"CSP_LEVELS": _levels(files["csp_config.h"])}).size(f"{first.name}_instance")
+    build = crc32("\0".join(text for _, text in sorted(files.items())).encode())
+    api = interface.text(size, f"{build:08x}")
+    return {f"{api.name}_api.h": render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
+
+
+def _levels(configuration: str) -> int:
+    found = re.search(r"#define CSP_LEVELS (\d+)U", configuration)
+    assert found is not None
+    return int(found[1])

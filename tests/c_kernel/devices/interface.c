@@ -1,0 +1,243 @@
+/* The machine of devices/machine.csp by its step interface. Each part prints what happened; the argument chooses the part. */
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "machine_api.h"
+
+#define MS INT64_C(1000000)
+
+/* The devices. */
+typedef struct plant {
+    int samples;
+    double level;
+    bool silent;
+    machine_outputs last;
+    int driven;
+    int released;
+    int late_writes; /* values after the safe one */
+    int turns;
+    int wakes;
+    pthread_mutex_t lock;
+} plant;
+
+static machine_memory memory;
+static machine_memory other_memory;
+static plant devices = {.lock = PTHREAD_MUTEX_INITIALIZER};
+static plant other_devices = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+static bool sample(void *context, machine_input input, machine_inputs *inputs)
+{
+    plant *const self = context;
+    if (input == MACHINE_IN_LEVEL) {
+        self->samples++;
+        inputs->level = self->level + self->samples;
+    }
+    return !self->silent;
+}
+
+static void actuate(void *context, machine_output output, const machine_outputs *outputs, bool safe)
+{
+    plant *const self = context;
+    self->last = *outputs;
+    self->late_writes += (!safe && (self->released > 0)) ? 1 : 0;
+    self->released += safe ? 1 : 0;
+    self->driven += (!safe && (output == MACHINE_OUT_DRIVE)) ? 1 : 0;
+}
+
+static uint32_t lock(void *context)
+{
+    plant *const self = context;
+    (void)pthread_mutex_lock(&self->lock);
+    return 0U;
+}
+
+static void unlock(void *context, uint32_t before)
+{
+    plant *const self = context;
+    (void)before;
+    (void)pthread_mutex_unlock(&self->lock);
+}
+
+static void wake(void *context)
+{
+    plant *const self = context;
+    (void)__atomic_fetch_add(&self->wakes, 1, __ATOMIC_SEQ_CST);
+}
+
+static void alive(void *context)
+{
+    ((plant *)context)->turns++;
+}
+
+static machine_hooks hooks_of(plant *self)
+{
+    const machine_hooks hooks = {.context = self, .sample = sample, .actuate = actuate, .lock = lock, .unlock = unlock,
+                                 .wake = wake, .alive = alive};
+    return hooks;
+}
+
+static machine_instance *begin(machine_memory *at, plant *self, bool real_time)
+{
+    machine_hooks hooks = hooks_of(self);
+    hooks.real_time = real_time;
+    return machine_begin(at, sizeof *at, &hooks, NULL);
+}
+
+static void show(machine_instance *self, machine_state state, const plant *of)
+{
+    char text[200] = "";
+    machine_describe(self, text, sizeof text);
+    (void)printf("state %d: %s; driven %d, last %g, released %d, afterwards %d\n", (int)state, text, of->driven,
+                 of->last.drive, of->released, of->late_writes);
+}
+
+/* ---- Parts ---- */
+
+static void try_to_begin(void *at, size_t size, const machine_hooks *hooks)
+{
+    const char *reason = "";
+    const bool refused = machine_begin(at, size, hooks, &reason) == NULL;
+    (void)printf("%d %s\n", refused, (reason == NULL) ? "" : reason);
+}
+
+static void refuse(void)
+{
+    const machine_hooks whole = hooks_of(&devices);
+    machine_hooks without[4];
+    for (size_t index = 0U; index < 4U; index++) {
+        without[index] = whole;
+    }
+    without[0].sample = NULL;
+    without[1].actuate = NULL;
+    without[2].lock = NULL;
+    without[3].unlock = NULL;
+    for (size_t index = 0U; index < 4U; index++) {
+        try_to_begin(&memory, sizeof memory, &without[index]);
+    }
+    try_to_begin(&memory, 100U, &whole);
+    try_to_begin(&memory.bytes[1], sizeof memory, &whole);
+    try_to_begin(NULL, sizeof memory, &whole);
+    try_to_begin(&memory, sizeof memory, NULL);
+    (void)printf("nothing done %d\n", (memory.bytes[0] == 0U) && (devices.samples == 0));
+    try_to_begin(&memory, sizeof memory, &whole);
+}
+
+static void run(void)
+{
+    machine_instance *const self = begin(&memory, &devices, false);
+    (void)printf("next %lld\n", (long long)(machine_next(self) / MS));
+    machine_state state = machine_advance(self, 10 * MS, 1000U);
+    show(self, state, &devices);
+    (void)printf("next %lld, backwards %d, beyond the end %d\n", (long long)(machine_next(self) / MS),
+                 (int)machine_advance(self, 9 * MS, 1U), (int)machine_advance(self, INT64_MAX, 1U));
+    (void)printf("budget %d\n", (int)machine_advance(self, 20 * MS, 1U));
+    (void)printf("overwritten %d", machine_button(self, false));
+    (void)printf(" %d", machine_button(self, true));
+    (void)printf(", wakes %d\n", devices.wakes);
+    state = machine_advance(self, 20 * MS, 1000U);
+    show(self, state, &devices);
+    (void)printf("lamp %d, alive %d, again %d, next %d\n", devices.last.lamp, devices.turns > 0,
+                 (int)machine_advance(self, 30 * MS, 1U), machine_next(self) == INT64_MAX);
+    machine_finish(self);
+    (void)printf("after finish %d, released %d\n", (int)machine_advance(self, 30 * MS, 1U), devices.released);
+}
+
+static void reset(void)
+{
+    machine_instance *self = begin(&memory, &devices, false);
+    (void)machine_advance(self, 10 * MS, 1000U);
+    self = begin(&memory, &devices, false);
+    (void)printf("released by the reset %d\n", devices.released);
+    devices.released = 0;
+    devices.driven = 0;
+    machine_state state = machine_advance(self, 6 * MS, 1000U);
+    machine_stop(self);
+    state = machine_advance(self, 6 * MS, 1000U);
+    show(self, state, &devices);
+    self = begin(&memory, &devices, false);
+    devices.released = 0;
+    (void)machine_advance(self, 6 * MS, 1000U);
+    machine_release(self);
+    state = machine_advance(self, 20 * MS, 1000U);
+    show(self, state, &devices);
+}
+
+static void be_late(void)
+{
+    machine_instance *self = begin(&memory, &devices, true);
+    machine_state state = machine_advance(self, 3 * MS, 1000U);
+    state = machine_advance(self, 10 * MS, 1000U);
+    show(self, state, &devices);
+    (void)memset(&memory, 0, sizeof memory);
+    devices.samples = 0;
+    devices.released = 0;
+    self = begin(&memory, &devices, false);
+    state = machine_advance(self, 3 * MS, 1000U);
+    state = machine_advance(self, 10 * MS, 1000U);
+    show(self, state, &devices);
+}
+
+static void sample_badly(void)
+{
+    machine_instance *self = begin(&memory, &devices, false);
+    machine_state state = machine_advance(self, 5 * MS, 1000U);
+    devices.silent = true;
+    state = machine_advance(self, 20 * MS, 1000U);
+    show(self, state, &devices);
+    devices.silent = false;
+    devices.level = NAN;
+    state = machine_advance(self, 30 * MS, 1000U);
+    show(self, state, &devices);
+}
+
+/* Whatever happens between a copy and its return, the run is the same afterwards. */
+static void restore(void)
+{
+    static machine_memory copy;
+    machine_instance *const self = begin(&memory, &devices, false);
+    machine_instance *const other = begin(&other_memory, &other_devices, false);
+    for (unsigned round = 1U; round < 200U; round++) {
+        const int64_t now = (int64_t)round * 777777;
+        (void)machine_advance(self, now, 1000U);
+        (void)machine_advance(other, now, 1000U);
+        const plant kept = devices;
+        machine_save(self, &copy);
+        if ((round % 3U) == 0U) {
+            (void)machine_button(self, true);
+        }
+        (void)machine_advance(self, now + (int64_t)(round * 99999U), 1 + (round % 7U));
+        if (!machine_restore(self, &copy)) {
+            (void)printf("refused\n");
+        }
+        devices.samples = kept.samples;
+        devices.last = kept.last;
+        devices.driven = kept.driven;
+        devices.released = kept.released;
+        devices.late_writes = kept.late_writes;
+    }
+    show(self, machine_advance(self, 160 * MS, 1000U), &devices);
+    show(other, machine_advance(other, 160 * MS, 1000U), &other_devices);
+    (void)printf("of another instance %d", machine_restore(other, &copy));
+    (void)memset(&copy, 0, sizeof copy);
+    (void)printf(", of another build %d\n", machine_restore(self, &copy));
+    (void)machine_button(self, true);
+    show(self, machine_advance(self, 170 * MS, 1000U), &devices);
+}
+
+int main(int count, char **arguments)
+{
+    static const struct {
+        const char *name;
+        void (*run)(void);
+    } parts[] = {{"refuse", refuse}, {"run", run}, {"reset", reset}, {"late", be_late}, {"bad", sample_badly},
+                 {"restore", restore}};
+    for (size_t index = 0U; index < sizeof parts / sizeof parts[0]; index++) {
+        if ((count > 1) && (strcmp(arguments[1], parts[index].name) == 0)) {
+            parts[index].run();
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: 0BSD
+ *
+ * See commstime_api.h.
+ */
+#include "commstime_api.h"
+
+#include "csp_text.h"
+#include "network.h"
+
+struct commstime_instance {
+    struct network network;
+    commstime_hooks hooks;
+    csp_hooks kernel_hooks;
+    char build[9];
+    const csp_program *program;
+    const void *place; /* where it was begun */
+};
+
+/* COMMSTIME_SIZE was computed without a compiler. */
+typedef char commstime_size_suffices[(sizeof(commstime_instance) <= COMMSTIME_SIZE) ? 1 : -1];
+
+/* Identifies the program and its kernel. */
+static const char build[] = "1fdffc04";
+
+/* ---- The hooks of the kernel ---- */
+
+static void wake(void *context)
+{
+    const commstime_instance *const self = context;
+    if (self->hooks.wake != NULL) {
+        self->hooks.wake(self->hooks.context);
+    }
+}
+
+static void alive(void *context)
+{
+    const commstime_instance *const self = context;
+    if (self->hooks.alive != NULL) {
+        self->hooks.alive(self->hooks.context);
+    }
+}
+
+static void connect(commstime_instance *self)
+{
+    const struct network_drivers drivers = {0};
+    network_initialize(&self->network, &drivers, &self->kernel_hooks);
+}
+
+/* ---- The interface ---- */
+
+static bool is_begun(const commstime_instance *self)
+{
+    return (self->place == self) && (self->program == &network_program)
+        && (memcmp(self->build, build, sizeof build) == 0);
+}
+
+static const char *refused(const void *memory, size_t size, const commstime_hooks *hooks)
+{
+    if (memory == NULL) {
+        return "there is no memory";
+    }
+    if (size < sizeof(commstime_instance)) {
+        return "the memory is too small: commstime_memory is large enough";
+    }
+    if (((uintptr_t)memory % sizeof(int64_t)) != 0U) {
+        return "the memory is misaligned: commstime_memory has the alignment";
+    }
+    if (hooks == NULL) {
+        return "there are no hooks";
+    }
+    return NULL;
+}
+
+commstime_instance *commstime_begin(void *memory, size_t size,
+    const commstime_hooks *hooks, const char **reason)
+{
+    commstime_instance *const self = memory;
+    const char *const found = refused(memory, size, hooks);
+    if (reason != NULL) {
+        *reason = found;
+    }
+    if (found != NULL) {
+        return NULL;
+    }
+    if (is_begun(self)) {
+        csp_release_outputs(&self->network.kernel);
+    }
+    const commstime_hooks given = *hooks; /* they may be those of the instance */
+    (void)memset(self, 0, sizeof *self);
+    self->hooks = given;
+    self->kernel_hooks.context = self;
+    self->kernel_hooks.real_time = given.real_time;
+    self->kernel_hooks.wake = wake;
+    self->kernel_hooks.alive = alive;
+    (void)memcpy(self->build, build, sizeof build);
+    self->program = &network_program;
+    self->place = self;
+    connect(self);
+    (void)csp_begin(&self->network.kernel);
+    return self;
+}
+
+commstime_state commstime_advance(commstime_instance *self, int64_t until,
+    uint32_t steps)
+{
+    commstime_state state = COMMSTIME_REFUSED;
+    switch (csp_advance(&self->network.kernel, until, steps)) {
+    case CSP_MORE:
+        return COMMSTIME_MORE;
+    case CSP_BUDGET:
+        return COMMSTIME_BUDGET;
+    case CSP_TERMINATED:
+        state = COMMSTIME_ENDED;
+        break;
+    case CSP_FAILED:
+        state = COMMSTIME_FAILED;
+        break;
+    case CSP_DEADLOCK:
+        state = COMMSTIME_DEADLOCK;
+        break;
+    case CSP_STOPPED:
+        state = COMMSTIME_STOPPED;
+        break;
+    default:
+        return COMMSTIME_REFUSED;
+    }
+    csp_release_outputs(&self->network.kernel);
+    return state;
+}
+
+int64_t commstime_next(commstime_instance *self)
+{
+    return csp_next(&self->network.kernel);
+}
+
+void commstime_finish(commstime_instance *self)
+{
+    csp_finish(&self->network.kernel);
+}
+
+void commstime_release(commstime_instance *self)
+{
+    csp_release_outputs(&self->network.kernel);
+}
+
+void commstime_stop(commstime_instance *self)
+{
+    csp_request_stop(&self->network.kernel);
+}
+
+void commstime_save(const commstime_instance *self, commstime_memory *copy)
+{
+    (void)memcpy(copy, self, sizeof *self);
+}
+
+bool commstime_restore(commstime_instance *self, const commstime_memory *copy)
+{
+    const commstime_instance *const saved = (const void *)copy;
+    if ((saved->place != self) || (saved->program != &network_program)
+        || (memcmp(saved->build, build, sizeof build) != 0)) {
+        return false;
+    }
+    const commstime_hooks hooks = self->hooks;
+    const uint32_t before = csp_lock(&self->network.kernel);
+    (void)memcpy(self, saved, sizeof *self);
+    self->hooks = hooks;
+    csp_unlock(&self->network.kernel, before);
+    return true;
+}
+
+/* A text that grows. */
+typedef struct report {
+    char *text;
+    size_t size;
+} report;
+
+static void add_waiting(csp_kernel *csp, const csp_waiting_process *waiting, void *context)
+{
+    const report *const all = context;
+    const size_t length = strlen(all->text);
+    csp_append(all->text, all->size, "\n  ");
+    if ((length + 3U) < all->size) {
+        csp_describe_waiting(csp, waiting, &all->text[length + 3U], all->size - length - 3U);
+    }
+}
+
+void commstime_describe(commstime_instance *self, char *text, size_t size)
+{
+    csp_kernel *const csp = &self->network.kernel;
+    report all = {text, size};
+    if (size == 0U) {
+        return;
+    }
+    text[0] = '\0';
+    switch ((csp_ending)csp->ending) {
+    case CSP_FAILED:
+        csp_describe_error(csp, text, size);
+        break;
+    case CSP_DEADLOCK:
+        csp_append(text, size, "deadlock");
+        csp_report_waiting(csp, add_waiting, &all);
+        break;
+    case CSP_TERMINATED:
+        csp_append(text, size, "ended by itself");
+        break;
+    case CSP_STOPPED:
+        csp_append(text, size, "stopped");
+        break;
+    default:
+        csp_append(text, size, "running");
+        break;
+    }
+}

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: 0BSD
+ *
+ * Commstime as a part of your own program: in steps that never wait, with all its state in memory
+ * that you give. A superloop:
+ *
+ *     static commstime_memory memory;
+ *     static const commstime_hooks hooks = { ... };
+ *     commstime_instance *const self = commstime_begin(&memory, sizeof memory, &hooks, NULL);
+ *     while (commstime_continues(commstime_advance(self, nanoseconds_since_then(), 64U))) {
+ *         sleep_until(commstime_next(self));
+ *     }
+ *
+ * There may be several instances, also in several threads. One instance belongs to one thread, from
+ * which all functions are called but those of which it is said that they may be called from
+ * anywhere. Times are nanoseconds since commstime_begin.
+ */
+#ifndef COMMSTIME_API_H
+#define COMMSTIME_API_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
+ * used for the first time.
+ */
+#define COMMSTIME_SIZE 1000U
+typedef union commstime_memory {
+    int64_t alignment;
+    double alignment_of_reals;
+    void *alignment_of_pointers;
+    unsigned char bytes[COMMSTIME_SIZE];
+} commstime_memory;
+
+typedef struct commstime_instance commstime_instance;
+
+/* What the program asks of you. `context` is passed to all functions. */
+typedef struct commstime_hooks {
+    void *context;
+    /* Whether time passes by itself. Then a tick that is followed by another one up to the instant
+     * of commstime_advance is a missed sample, because nobody has looked. Otherwise every tick is
+     * executed in its turn, however long the steps are.
+     */
+    bool real_time;
+    /* Not needed by this program, which has no events; may be NULL. */
+    uint32_t (*lock)(void *context);
+    void (*unlock)(void *context, uint32_t before);
+    /* An event or a request to stop has come; called where that came from. May be NULL. */
+    void (*wake)(void *context);
+    /* Called at least once in each step, for a watchdog. May be NULL. */
+    void (*alive)(void *context);
+} commstime_hooks;
+
+typedef enum commstime_state {
+    COMMSTIME_MORE,     /* everything up to the instant is done */
+    COMMSTIME_BUDGET,   /* the steps are used up, and something is still due: call again */
+    COMMSTIME_REFUSED,  /* nothing was done: the instant is past, or nothing runs */
+    /* The run is over, and the outputs have their safe values: */
+    COMMSTIME_ENDED,    /* by itself */
+    COMMSTIME_FAILED,   /* by an exception or a fault */
+    COMMSTIME_DEADLOCK, /* nothing can continue it */
+    COMMSTIME_STOPPED   /* by commstime_stop */
+} commstime_state;
+
+/* Begins a run. In memory that has an instance already this is a reset, which hands over safe
+ * values first; no event function may run meanwhile. If something is wrong it does nothing, returns
+ * NULL, and says what it is in `*reason`, which is NULL otherwise; `reason` may be NULL.
+ */
+commstime_instance *commstime_begin(void *memory, size_t size,
+    const commstime_hooks *hooks, const char **reason);
+
+/* Runs everything that is due up to the instant, with at most this number of steps of processes.
+ * Never waits.
+ */
+commstime_state commstime_advance(commstime_instance *self, int64_t until,
+    uint32_t steps);
+
+/* Whether the run continues after this result of commstime_advance. */
+static inline bool commstime_continues(commstime_state state)
+{
+    return (state == COMMSTIME_MORE) || (state == COMMSTIME_BUDGET);
+}
+
+/* The next instant at which something is due; INT64_MAX: nothing but events. */
+int64_t commstime_next(commstime_instance *self);
+
+/* Ends the run, and hands over safe values. */
+void commstime_finish(commstime_instance *self);
+
+/* Hands over safe values now, and nothing after them: for fault handlers. */
+void commstime_release(commstime_instance *self);
+
+/* Makes the run end at its next step. May be called from anywhere. */
+void commstime_stop(commstime_instance *self);
+
+/* Copies the state into memory for one instance. */
+void commstime_save(const commstime_instance *self, commstime_memory *copy);
+
+/* Continues from a copy that was made of this instance by this build. Hooks stay; events that have
+ * not occurred yet are lost. False: it is another copy, and nothing was done.
+ */
+bool commstime_restore(commstime_instance *self, const commstime_memory *copy);
+
+/* Writes what has failed and where, or which processes wait for what: at most `size` characters,
+ * including the terminating 0.
+ */
+void commstime_describe(commstime_instance *self, char *text, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: 0BSD
+ *
+ * See emergency_api.h.
+ */
+#include "emergency_api.h"
+
+#include "csp_text.h"
+#include "network.h"
+
+struct emergency_instance {
+    struct network network;
+    emergency_hooks hooks;
+    csp_hooks kernel_hooks;
+    emergency_inputs inputs;
+    emergency_outputs outputs;
+    char build[9];
+    const csp_program *program;
+    const void *place; /* where it was begun */
+};
+
+/* EMERGENCY_SIZE was computed without a compiler. */
+typedef char emergency_size_suffices[(sizeof(emergency_instance) <= EMERGENCY_SIZE) ? 1 : -1];
+
+/* Identifies the program and its kernel. */
+static const char build[] = "debd4b86";
+
+static bool read_feedback(void *device, void *value)
+{
+    emergency_instance *const self = device;
+    const bool came = self->hooks.sample(self->hooks.context,
+        EMERGENCY_IN_FEEDBACK, &self->inputs);
+    if (came) {
+        (void)memcpy(value, &self->inputs.feedback,
+            sizeof self->inputs.feedback);
+    }
+    return came;
+}
+
+static void write_control(void *device, const void *value)
+{
+    emergency_instance *const self = device;
+    (void)memcpy(&self->outputs.control, value,
+        sizeof self->outputs.control);
+    self->hooks.actuate(self->hooks.context,
+        EMERGENCY_OUT_CONTROL, &self->outputs, csp_is_releasing(&self->network.kernel));
+}
+
+static void write_brake(void *device, const void *value)
+{
+    emergency_instance *const self = device;
+    (void)memcpy(&self->outputs.brake, value,
+        sizeof self->outputs.brake);
+    self->hooks.actuate(self->hooks.context,
+        EMERGENCY_OUT_BRAKE, &self->outputs, csp_is_releasing(&self->network.kernel));
+}
+
+static void write_halted(void *device, const void *value)
+{
+    emergency_instance *const self = device;
+    (void)memcpy(&self->outputs.halted, value,
+        sizeof self->outputs.halted);
+    self->hooks.actuate(self->hooks.context,
+        EMERGENCY_OUT_HALTED, &self->outputs, csp_is_releasing(&self->network.kernel));
+}
+
+/* ---- The hooks of the kernel ---- */
+
+static uint32_t lock(void *context)
+{
+    const emergency_instance *const self = context;
+    return self->hooks.lock(self->hooks.context);
+}
+
+static void unlock(void *context, uint32_t before)
+{
+    const emergency_instance *const self = context;
+    self->hooks.unlock(self->hooks.context, before);
+}
+
+static void wake(void *context)
+{
+    const emergency_instance *const self = context;
+    if (self->hooks.wake != NULL) {
+        self->hooks.wake(self->hooks.context);
+    }
+}
+
+static void alive(void *context)
+{
+    const emergency_instance *const self = context;
+    if (self->hooks.alive != NULL) {
+        self->hooks.alive(self->hooks.context);
+    }
+}
+
+static void connect(emergency_instance *self)
+{
+    const struct network_drivers drivers = {
+        .panel = {.device = NULL},
+        .feedback = {.device = self, .read = read_feedback},
+        .control = {.device = self, .write = write_control},
+        .brake = {.device = self, .write = write_brake},
+        .halted = {.device = self, .write = write_halted}
+    };
+    network_initialize(&self->network, &drivers, &self->kernel_hooks);
+}
+
+/* ---- The interface ---- */
+
+static bool is_begun(const emergency_instance *self)
+{
+    return (self->place == self) && (self->program == &network_program)
+        && (memcmp(self->build, build, sizeof build) == 0);
+}
+
+static const char *refused(const void *memory, size_t size, const emergency_hooks *hooks)
+{
+    if (memory == NULL) {
+        return "there is no memory";
+    }
+    if (size < sizeof(emergency_instance)) {
+        return "the memory is too small: emergency_memory is large enough";
+    }
+    if (((uintptr_t)memory % sizeof(int64_t)) != 0U) {
+        return "the memory is misaligned: emergency_memory has the alignment";
+    }
+    if (hooks == NULL) {
+        return "there are no hooks";
+    }
+    if (hooks->sample == NULL) {
+        return "the hook `sample` is missing";
+    }
+    if (hooks->actuate == NULL) {
+        return "the hook `actuate` is missing";
+    }
+    if ((hooks->lock == NULL) || (hooks->unlock == NULL)) {
+        return "the hook `lock` or `unlock` is missing";
+    }
+    return NULL;
+}
+
+emergency_instance *emergency_begin(void *memory, size_t size,
+    const emergency_hooks *hooks, const char **reason)
+{
+    emergency_instance *const self = memory;
+    const char *const found = refused(memory, size, hooks);
+    if (reason != NULL) {
+        *reason = found;
+    }
+    if (found != NULL) {
+        return NULL;
+    }
+    if (is_begun(self)) {
+        csp_release_outputs(&self->network.kernel);
+    }
+    const emergency_hooks given = *hooks; /* they may be those of the instance */
+    (void)memset(self, 0, sizeof *self);
+    self->hooks = given;
+    self->kernel_hooks.context = self;
+    self->kernel_hooks.real_time = given.real_time;
+    self->kernel_hooks.lock = lock;
+    self->kernel_hooks.unlock = unlock;
+    self->kernel_hooks.wake = wake;
+    self->kernel_hooks.alive = alive;
+    (void)memcpy(self->build, build, sizeof build);
+    self->program = &network_program;
+    self->place = self;
+    connect(self);
+    (void)csp_begin(&self->network.kernel);
+    return self;
+}
+
+emergency_state emergency_advance(emergency_instance *self, int64_t until,
+    uint32_t steps)
+{
+    emergency_state state = EMERGENCY_REFUSED;
+    switch (csp_advance(&self->network.kernel, until, steps)) {
+    case CSP_MORE:
+        return EMERGENCY_MORE;
+    case CSP_BUDGET:
+        return EMERGENCY_BUDGET;
+    case CSP_TERMINATED:
+        state = EMERGENCY_ENDED;
+        break;
+    case CSP_FAILED:
+        state = EMERGENCY_FAILED;
+        break;
+    case CSP_DEADLOCK:
+        state = EMERGENCY_DEADLOCK;
+        break;
+    case CSP_STOPPED:
+        state = EMERGENCY_STOPPED;
+        break;
+    default:
+        return EMERGENCY_REFUSED;
+    }
+    csp_release_outputs(&self->network.kernel);
+    return state;
+}
+
+int64_t emergency_next(emergency_instance *self)
+{
+    return csp_next(&self->network.kernel);
+}
+
+void emergency_finish(emergency_instance *self)
+{
+    csp_finish(&self->network.kernel);
+}
+
+void emergency_release(emergency_instance *self)
+{
+    csp_release_outputs(&self->network.kernel);
+}
+
+void emergency_stop(emergency_instance *self)
+{
+    csp_request_stop(&self->network.kernel);
+}
+
+void emergency_save(const emergency_instance *self, emergency_memory *copy)
+{
+    (void)memcpy(copy, self, sizeof *self);
+}
+
+bool emergency_restore(emergency_instance *self, const emergency_memory *copy)
+{
+    const emergency_instance *const saved = (const void *)copy;
+    if ((saved->place != self) || (saved->program != &network_program)
+        || (memcmp(saved->build, build, sizeof build) != 0)) {
+        return false;
+    }
+    const emergency_hooks hooks = self->hooks;
+    const uint32_t before = csp_lock(&self->network.kernel);
+    (void)memcpy(self, saved, sizeof *self);
+    self->hooks = hooks;
+    csp_unlock(&self->network.kernel, before);
+    return true;
+}
+
+/* A text that grows. */
+typedef struct report {
+    char *text;
+    size_t size;
+} report;
+
+static void add_waiting(csp_kernel *csp, const csp_waiting_process *waiting, void *context)
+{
+    const report *const all = context;
+    const size_t length = strlen(all->text);
+    csp_append(all->text, all->size, "\n  ");
+    if ((length + 3U) < all->size) {
+        csp_describe_waiting(csp, waiting, &all->text[length + 3U], all->size - length - 3U);
+    }
+}
+
+void emergency_describe(emergency_instance *self, char *text, size_t size)
+{
+    csp_kernel *const csp = &self->network.kernel;
+    report all = {text, size};
+    if (size == 0U) {
+        return;
+    }
+    text[0] = '\0';
+    switch ((csp_ending)csp->ending) {
+    case CSP_FAILED:
+        csp_describe_error(csp, text, size);
+        break;
+    case CSP_DEADLOCK:
+        csp_append(text, size, "deadlock");
+        csp_report_waiting(csp, add_waiting, &all);
+        break;
+    case CSP_TERMINATED:
+        csp_append(text, size, "ended by itself");
+        break;
+    case CSP_STOPPED:
+        csp_append(text, size, "stopped");
+        break;
+    default:
+        csp_append(text, size, "running");
+        break;
+    }
+}
+
+bool emergency_panel(emergency_instance *self, enum button value)
+{
+    return csp_event_bring(&self->network.kernel,
+        &self->network.external.panel, &value);
+}

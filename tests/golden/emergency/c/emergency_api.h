@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: 0BSD
+ *
+ * Spindle as a part of your own program: in steps that never wait, with all its state in memory
+ * that you give. A superloop:
+ *
+ *     static emergency_memory memory;
+ *     static const emergency_hooks hooks = { ... };
+ *     emergency_instance *const self = emergency_begin(&memory, sizeof memory, &hooks, NULL);
+ *     while (emergency_continues(emergency_advance(self, nanoseconds_since_then(), 64U))) {
+ *         sleep_until(emergency_next(self));
+ *     }
+ *
+ * There may be several instances, also in several threads. One instance belongs to one thread, from
+ * which all functions are called but those of which it is said that they may be called from
+ * anywhere. Times are nanoseconds since emergency_begin.
+ */
+#ifndef EMERGENCY_API_H
+#define EMERGENCY_API_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "emergency_types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
+ * used for the first time.
+ */
+#define EMERGENCY_SIZE 1760U
+typedef union emergency_memory {
+    int64_t alignment;
+    double alignment_of_reals;
+    void *alignment_of_pointers;
+    unsigned char bytes[EMERGENCY_SIZE];
+} emergency_memory;
+
+typedef struct emergency_instance emergency_instance;
+
+/* Sampled inputs, and a name for each. */
+typedef struct emergency_inputs {
+    double feedback; /* Spindle.feedback */
+} emergency_inputs;
+typedef enum emergency_input {
+    EMERGENCY_IN_FEEDBACK
+} emergency_input;
+
+/* Outputs, and a name for each. */
+typedef struct emergency_outputs {
+    double control; /* Spindle.control */
+    bool brake; /* Spindle.brake */
+    bool halted; /* Spindle.halted */
+} emergency_outputs;
+typedef enum emergency_output {
+    EMERGENCY_OUT_CONTROL,
+    EMERGENCY_OUT_BRAKE,
+    EMERGENCY_OUT_HALTED
+} emergency_output;
+
+/* What the program asks of you. `context` is passed to all functions. */
+typedef struct emergency_hooks {
+    void *context;
+    /* Whether time passes by itself. Then a tick that is followed by another one up to the instant
+     * of emergency_advance is a missed sample, because nobody has looked. Otherwise every tick is
+     * executed in its turn, however long the steps are.
+     */
+    bool real_time;
+    /* Stores the sample of this input in its member of `inputs`; false: there is no new one. */
+    bool (*sample)(void *context, emergency_input input, emergency_inputs *inputs);
+    /* Hands this output over. `safe`: it is its safe value, and its last. */
+    void (*actuate)(void *context, emergency_output output,
+        const emergency_outputs *outputs, bool safe);
+    /* Around accesses to events that other threads or interrupt handlers bring. May be nested: the
+     * result of `lock` is passed to `unlock`.
+     */
+    uint32_t (*lock)(void *context);
+    void (*unlock)(void *context, uint32_t before);
+    /* An event or a request to stop has come; called where that came from. May be NULL. */
+    void (*wake)(void *context);
+    /* Called at least once in each step, for a watchdog. May be NULL. */
+    void (*alive)(void *context);
+} emergency_hooks;
+
+typedef enum emergency_state {
+    EMERGENCY_MORE,     /* everything up to the instant is done */
+    EMERGENCY_BUDGET,   /* the steps are used up, and something is still due: call again */
+    EMERGENCY_REFUSED,  /* nothing was done: the instant is past, or nothing runs */
+    /* The run is over, and the outputs have their safe values: */
+    EMERGENCY_ENDED,    /* by itself */
+    EMERGENCY_FAILED,   /* by an exception or a fault */
+    EMERGENCY_DEADLOCK, /* nothing can continue it */
+    EMERGENCY_STOPPED   /* by emergency_stop */
+} emergency_state;
+
+/* Begins a run. In memory that has an instance already this is a reset, which hands over safe
+ * values first; no event function may run meanwhile. If something is wrong it does nothing, returns
+ * NULL, and says what it is in `*reason`, which is NULL otherwise; `reason` may be NULL.
+ */
+emergency_instance *emergency_begin(void *memory, size_t size,
+    const emergency_hooks *hooks, const char **reason);
+
+/* Runs everything that is due up to the instant, with at most this number of steps of processes.
+ * Never waits.
+ */
+emergency_state emergency_advance(emergency_instance *self, int64_t until,
+    uint32_t steps);
+
+/* Whether the run continues after this result of emergency_advance. */
+static inline bool emergency_continues(emergency_state state)
+{
+    return (state == EMERGENCY_MORE) || (state == EMERGENCY_BUDGET);
+}
+
+/* The next instant at which something is due; INT64_MAX: nothing but events. */
+int64_t emergency_next(emergency_instance *self);
+
+/* Ends the run, and hands over safe values. */
+void emergency_finish(emergency_instance *self);
+
+/* Hands over safe values now, and nothing after them: for fault handlers. */
+void emergency_release(emergency_instance *self);
+
+/* Makes the run end at its next step. May be called from anywhere. */
+void emergency_stop(emergency_instance *self);
+
+/* Copies the state into memory for one instance. */
+void emergency_save(const emergency_instance *self, emergency_memory *copy);
+
+/* Continues from a copy that was made of this instance by this build. Hooks stay; events that have
+ * not occurred yet are lost. False: it is another copy, and nothing was done.
+ */
+bool emergency_restore(emergency_instance *self, const emergency_memory *copy);
+
+/* Writes what has failed and where, or which processes wait for what: at most `size` characters,
+ * including the terminating 0.
+ */
+void emergency_describe(emergency_instance *self, char *text, size_t size);
+
+/* Events. Each function may be called from anywhere; the event occurs at the next step, and of
+ * several before it the last counts. True: it has overwritten one.
+ */
+bool emergency_panel(emergency_instance *self, enum button value);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: 0BSD
+ *
+ * The types of values: an array is a struct with one member, so it can be assigned.
+ */
+#ifndef EMERGENCY_TYPES_H
+#define EMERGENCY_TYPES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum button { BUTTON_NONE, BUTTON_START, BUTTON_EMERGENCY };
+
+#endif

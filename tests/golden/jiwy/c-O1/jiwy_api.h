@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: 0BSD
+ *
+ * Jiwy as a part of your own program: in steps that never wait, with all its state in memory
+ * that you give. A superloop:
+ *
+ *     static jiwy_memory memory;
+ *     static const jiwy_hooks hooks = { ... };
+ *     jiwy_instance *const self = jiwy_begin(&memory, sizeof memory, &hooks, NULL);
+ *     while (jiwy_continues(jiwy_advance(self, nanoseconds_since_then(), 64U))) {
+ *         sleep_until(jiwy_next(self));
+ *     }
+ *
+ * There may be several instances, also in several threads. One instance belongs to one thread, from
+ * which all functions are called but those of which it is said that they may be called from
+ * anywhere. Times are nanoseconds since jiwy_begin.
+ */
+#ifndef JIWY_API_H
+#define JIWY_API_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
+ * used for the first time.
+ */
+#define JIWY_SIZE 7744U
+typedef union jiwy_memory {
+    int64_t alignment;
+    double alignment_of_reals;
+    void *alignment_of_pointers;
+    unsigned char bytes[JIWY_SIZE];
+} jiwy_memory;
+
+typedef struct jiwy_instance jiwy_instance;
+
+/* Sampled inputs, and a name for each. */
+typedef struct jiwy_inputs {
+    double joystick_horizontal; /* Jiwy.joystick_horizontal */
+    double joystick_vertical; /* Jiwy.joystick_vertical */
+    double feedback_horizontal; /* Jiwy.feedback_horizontal */
+    double feedback_vertical; /* Jiwy.feedback_vertical */
+} jiwy_inputs;
+typedef enum jiwy_input {
+    JIWY_IN_JOYSTICK_HORIZONTAL,
+    JIWY_IN_JOYSTICK_VERTICAL,
+    JIWY_IN_FEEDBACK_HORIZONTAL,
+    JIWY_IN_FEEDBACK_VERTICAL
+} jiwy_input;
+
+/* Outputs, and a name for each. */
+typedef struct jiwy_outputs {
+    double control_horizontal; /* Jiwy.control_horizontal */
+    double control_vertical; /* Jiwy.control_vertical */
+} jiwy_outputs;
+typedef enum jiwy_output {
+    JIWY_OUT_CONTROL_HORIZONTAL,
+    JIWY_OUT_CONTROL_VERTICAL
+} jiwy_output;
+
+/* What the program asks of you. `context` is passed to all functions. */
+typedef struct jiwy_hooks {
+    void *context;
+    /* Whether time passes by itself. Then a tick that is followed by another one up to the instant
+     * of jiwy_advance is a missed sample, because nobody has looked. Otherwise every tick is
+     * executed in its turn, however long the steps are.
+     */
+    bool real_time;
+    /* Stores the sample of this input in its member of `inputs`; false: there is no new one. */
+    bool (*sample)(void *context, jiwy_input input, jiwy_inputs *inputs);
+    /* Hands this output over. `safe`: it is its safe value, and its last. */
+    void (*actuate)(void *context, jiwy_output output,
+        const jiwy_outputs *outputs, bool safe);
+    /* Around accesses to events that other threads or interrupt handlers bring. May be nested: the
+     * result of `lock` is passed to `unlock`.
+     */
+    uint32_t (*lock)(void *context);
+    void (*unlock)(void *context, uint32_t before);
+    /* An event or a request to stop has come; called where that came from. May be NULL. */
+    void (*wake)(void *context);
+    /* Called at least once in each step, for a watchdog. May be NULL. */
+    void (*alive)(void *context);
+} jiwy_hooks;
+
+typedef enum jiwy_state {
+    JIWY_MORE,     /* everything up to the instant is done */
+    JIWY_BUDGET,   /* the steps are used up, and something is still due: call again */
+    JIWY_REFUSED,  /* nothing was done: the instant is past, or nothing runs */
+    /* The run is over, and the outputs have their safe values: */
+    JIWY_ENDED,    /* by itself */
+    JIWY_FAILED,   /* by an exception or a fault */
+    JIWY_DEADLOCK, /* nothing can continue it */
+    JIWY_STOPPED   /* by jiwy_stop */
+} jiwy_state;
+
+/* Begins a run. In memory that has an instance already this is a reset, which hands over safe
+ * values first; no event function may run meanwhile. If something is wrong it does nothing, returns
+ * NULL, and says what it is in `*reason`, which is NULL otherwise; `reason` may be NULL.
+ */
+jiwy_instance *jiwy_begin(void *memory, size_t size,
+    const jiwy_hooks *hooks, const char **reason);
+
+/* Runs everything that is due up to the instant, with at most this number of steps of processes.
+ * Never waits.
+ */
+jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
+    uint32_t steps);
+
+/* Whether the run continues after this result of jiwy_advance. */
+static inline bool jiwy_continues(jiwy_state state)
+{
+    return (state == JIWY_MORE) || (state == JIWY_BUDGET);
+}
+
+/* The next instant at which something is due; INT64_MAX: nothing but events. */
+int64_t jiwy_next(jiwy_instance *self);
+
+/* Ends the run, and hands over safe values. */
+void jiwy_finish(jiwy_instance *self);
+
+/* Hands over safe values now, and nothing after them: for fault handlers. */
+void jiwy_release(jiwy_instance *self);
+
+/* Makes the run end at its next step. May be called from anywhere. */
+void jiwy_stop(jiwy_instance *self);
+
+/* Copies the state into memory for one instance. */
+void jiwy_save(const jiwy_instance *self, jiwy_memory *copy);
+
+/* Continues from a copy that was made of this instance by this build. Hooks stay; events that have
+ * not occurred yet are lost. False: it is another copy, and nothing was done.
+ */
+bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy);
+
+/* Writes what has failed and where, or which processes wait for what: at most `size` characters,
+ * including the terminating 0.
+ */
+void jiwy_describe(jiwy_instance *self, char *text, size_t size);
+
+/* Events. Each function may be called from anywhere; the event occurs at the next step, and of
+ * several before it the last counts. True: it has overwritten one.
+ */
+bool jiwy_joystick_buttons(jiwy_instance *self, int64_t value);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

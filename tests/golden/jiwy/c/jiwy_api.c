@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: 0BSD
+ *
+ * See jiwy_api.h.
+ */
+#include "jiwy_api.h"
+
+#include "csp_text.h"
+#include "network.h"
+
+struct jiwy_instance {
+    struct network network;
+    jiwy_hooks hooks;
+    csp_hooks kernel_hooks;
+    jiwy_inputs inputs;
+    jiwy_outputs outputs;
+    char build[9];
+    const csp_program *program;
+    const void *place; /* where it was begun */
+};
+
+/* JIWY_SIZE was computed without a compiler. */
+typedef char jiwy_size_suffices[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
+
+/* Identifies the program and its kernel. */
+static const char build[] = "bfd644a8";
+
+static bool read_joystick_horizontal(void *device, void *value)
+{
+    jiwy_instance *const self = device;
+    const bool came = self->hooks.sample(self->hooks.context,
+        JIWY_IN_JOYSTICK_HORIZONTAL, &self->inputs);
+    if (came) {
+        (void)memcpy(value, &self->inputs.joystick_horizontal,
+            sizeof self->inputs.joystick_horizontal);
+    }
+    return came;
+}
+
+static bool read_joystick_vertical(void *device, void *value)
+{
+    jiwy_instance *const self = device;
+    const bool came = self->hooks.sample(self->hooks.context,
+        JIWY_IN_JOYSTICK_VERTICAL, &self->inputs);
+    if (came) {
+        (void)memcpy(value, &self->inputs.joystick_vertical,
+            sizeof self->inputs.joystick_vertical);
+    }
+    return came;
+}
+
+static bool read_feedback_horizontal(void *device, void *value)
+{
+    jiwy_instance *const self = device;
+    const bool came = self->hooks.sample(self->hooks.context,
+        JIWY_IN_FEEDBACK_HORIZONTAL, &self->inputs);
+    if (came) {
+        (void)memcpy(value, &self->inputs.feedback_horizontal,
+            sizeof self->inputs.feedback_horizontal);
+    }
+    return came;
+}
+
+static bool read_feedback_vertical(void *device, void *value)
+{
+    jiwy_instance *const self = device;
+    const bool came = self->hooks.sample(self->hooks.context,
+        JIWY_IN_FEEDBACK_VERTICAL, &self->inputs);
+    if (came) {
+        (void)memcpy(value, &self->inputs.feedback_vertical,
+            sizeof self->inputs.feedback_vertical);
+    }
+    return came;
+}
+
+static void write_control_horizontal(void *device, const void *value)
+{
+    jiwy_instance *const self = device;
+    (void)memcpy(&self->outputs.control_horizontal, value,
+        sizeof self->outputs.control_horizontal);
+    self->hooks.actuate(self->hooks.context,
+        JIWY_OUT_CONTROL_HORIZONTAL, &self->outputs, csp_is_releasing(&self->network.kernel));
+}
+
+static void write_control_vertical(void *device, const void *value)
+{
+    jiwy_instance *const self = device;
+    (void)memcpy(&self->outputs.control_vertical, value,
+        sizeof self->outputs.control_vertical);
+    self->hooks.actuate(self->hooks.context,
+        JIWY_OUT_CONTROL_VERTICAL, &self->outputs, csp_is_releasing(&self->network.kernel));
+}
+
+/* ---- The hooks of the kernel ---- */
+
+static uint32_t lock(void *context)
+{
+    const jiwy_instance *const self = context;
+    return self->hooks.lock(self->hooks.context);
+}
+
+static void unlock(void *context, uint32_t before)
+{
+    const jiwy_instance *const self = context;
+    self->hooks.unlock(self->hooks.context, before);
+}
+
+static void wake(void *context)
+{
+    const jiwy_instance *const self = context;
+    if (self->hooks.wake != NULL) {
+        self->hooks.wake(self->hooks.context);
+    }
+}
+
+static void alive(void *context)
+{
+    const jiwy_instance *const self = context;
+    if (self->hooks.alive != NULL) {
+        self->hooks.alive(self->hooks.context);
+    }
+}
+
+static void connect(jiwy_instance *self)
+{
+    const struct network_drivers drivers = {
+        .joystick_horizontal = {.device = self, .read = read_joystick_horizontal},
+        .joystick_vertical = {.device = self, .read = read_joystick_vertical},
+        .joystick_buttons = {.device = NULL},
+        .feedback_horizontal = {.device = self, .read = read_feedback_horizontal},
+        .feedback_vertical = {.device = self, .read = read_feedback_vertical},
+        .control_horizontal = {.device = self, .write = write_control_horizontal},
+        .control_vertical = {.device = self, .write = write_control_vertical}
+    };
+    network_initialize(&self->network, &drivers, &self->kernel_hooks);
+}
+
+/* ---- The interface ---- */
+
+static bool is_begun(const jiwy_instance *self)
+{
+    return (self->place == self) && (self->program == &network_program)
+        && (memcmp(self->build, build, sizeof build) == 0);
+}
+
+static const char *refused(const void *memory, size_t size, const jiwy_hooks *hooks)
+{
+    if (memory == NULL) {
+        return "there is no memory";
+    }
+    if (size < sizeof(jiwy_instance)) {
+        return "the memory is too small: jiwy_memory is large enough";
+    }
+    if (((uintptr_t)memory % sizeof(int64_t)) != 0U) {
+        return "the memory is misaligned: jiwy_memory has the alignment";
+    }
+    if (hooks == NULL) {
+        return "there are no hooks";
+    }
+    if (hooks->sample == NULL) {
+        return "the hook `sample` is missing";
+    }
+    if (hooks->actuate == NULL) {
+        return "the hook `actuate` is missing";
+    }
+    if ((hooks->lock == NULL) || (hooks->unlock == NULL)) {
+        return "the hook `lock` or `unlock` is missing";
+    }
+    return NULL;
+}
+
+jiwy_instance *jiwy_begin(void *memory, size_t size,
+    const jiwy_hooks *hooks, const char **reason)
+{
+    jiwy_instance *const self = memory;
+    const char *const found = refused(memory, size, hooks);
+    if (reason != NULL) {
+        *reason = found;
+    }
+    if (found != NULL) {
+        return NULL;
+    }
+    if (is_begun(self)) {
+        csp_release_outputs(&self->network.kernel);
+    }
+    const jiwy_hooks given = *hooks; /* they may be those of the instance */
+    (void)memset(self, 0, sizeof *self);
+    self->hooks = given;
+    self->kernel_hooks.context = self;
+    self->kernel_hooks.real_time = given.real_time;
+    self->kernel_hooks.lock = lock;
+    self->kernel_hooks.unlock = unlock;
+    self->kernel_hooks.wake = wake;
+    self->kernel_hooks.alive = alive;
+    (void)memcpy(self->build, build, sizeof build);
+    self->program = &network_program;
+    self->place = self;
+    connect(self);
+    (void)csp_begin(&self->network.kernel);
+    return self;
+}
+
+jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
+    uint32_t steps)
+{
+    jiwy_state state = JIWY_REFUSED;
+    switch (csp_advance(&self->network.kernel, until, steps)) {
+    case CSP_MORE:
+        return JIWY_MORE;
+    case CSP_BUDGET:
+        return JIWY_BUDGET;
+    case CSP_TERMINATED:
+        state = JIWY_ENDED;
+        break;
+    case CSP_FAILED:
+        state = JIWY_FAILED;
+        break;
+    case CSP_DEADLOCK:
+        state = JIWY_DEADLOCK;
+        break;
+    case CSP_STOPPED:
+        state = JIWY_STOPPED;
+        break;
+    default:
+        return JIWY_REFUSED;
+    }
+    csp_release_outputs(&self->network.kernel);
+    return state;
+}
+
+int64_t jiwy_next(jiwy_instance *self)
+{
+    return csp_next(&self->network.kernel);
+}
+
+void jiwy_finish(jiwy_instance *self)
+{
+    csp_finish(&self->network.kernel);
+}
+
+void jiwy_release(jiwy_instance *self)
+{
+    csp_release_outputs(&self->network.kernel);
+}
+
+void jiwy_stop(jiwy_instance *self)
+{
+    csp_request_stop(&self->network.kernel);
+}
+
+void jiwy_save(const jiwy_instance *self, jiwy_memory *copy)
+{
+    (void)memcpy(copy, self, sizeof *self);
+}
+
+bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy)
+{
+    const jiwy_instance *const saved = (const void *)copy;
+    if ((saved->place != self) || (saved->program != &network_program)
+        || (memcmp(saved->build, build, sizeof build) != 0)) {
+        return false;
+    }
+    const jiwy_hooks hooks = self->hooks;
+    const uint32_t before = csp_lock(&self->network.kernel);
+    (void)memcpy(self, saved, sizeof *self);
+    self->hooks = hooks;
+    csp_unlock(&self->network.kernel, before);
+    return true;
+}
+
+/* A text that grows. */
+typedef struct report {
+    char *text;
+    size_t size;
+} report;
+
+static void add_waiting(csp_kernel *csp, const csp_waiting_process *waiting, void *context)
+{
+    const report *const all = context;
+    const size_t length = strlen(all->text);
+    csp_append(all->text, all->size, "\n  ");
+    if ((length + 3U) < all->size) {
+        csp_describe_waiting(csp, waiting, &all->text[length + 3U], all->size - length - 3U);
+    }
+}
+
+void jiwy_describe(jiwy_instance *self, char *text, size_t size)
+{
+    csp_kernel *const csp = &self->network.kernel;
+    report all = {text, size};
+    if (size == 0U) {
+        return;
+    }
+    text[0] = '\0';
+    switch ((csp_ending)csp->ending) {
+    case CSP_FAILED:
+        csp_describe_error(csp, text, size);
+        break;
+    case CSP_DEADLOCK:
+        csp_append(text, size, "deadlock");
+        csp_report_waiting(csp, add_waiting, &all);
+        break;
+    case CSP_TERMINATED:
+        csp_append(text, size, "ended by itself");
+        break;
+    case CSP_STOPPED:
+        csp_append(text, size, "stopped");
+        break;
+    default:
+        csp_append(text, size, "running");
+        break;
+    }
+}
+
+bool jiwy_joystick_buttons(jiwy_instance *self, int64_t value)
+{
+    return csp_event_bring(&self->network.kernel,
+        &self->network.external.joystick_buttons, &value);
+}
