@@ -39,7 +39,7 @@ SPENT: Final[Any] = _Spent()
 
 class DirectScheduler(Scheduler):
     """``tasks`` has the task of each generator that has not ended. ``displaced`` has the generators of cancelled tasks,
-    each with what takes its place in the queue.
+    each with what takes the last of its places in the queue, and what takes the others.
     """
 
     __slots__ = ("displaced", "tasks")
@@ -47,7 +47,7 @@ class DirectScheduler(Scheduler):
     def __init__(self) -> None:
         super().__init__()
         self.tasks: dict[Any, Task] = {}
-        self.displaced: dict[Any, Entry] = {}
+        self.displaced: dict[Any, tuple[Entry, Entry]] = {}
 
     def run_ready(self, most: int = 4096) -> bool:
         """See ``Scheduler.run_ready``; ``most`` is at least ``FEW``."""
@@ -122,9 +122,7 @@ class DirectScheduler(Scheduler):
         raise NotImplementedError("a program with levels of priority is tracked")
 
     def cancel(self, tasks: Iterable[Task]) -> None:
-        """See ``Scheduler.cancel``. The last entry of a generator is replaced, and others, for communications that it
-        has offered at once, are spent.
-        """
+        """See ``Scheduler.cancel``. A generator that has offered several communications at once has several entries."""
         super().cancel(tasks)
         displaced, self.displaced = self.displaced, {}
         if not displaced:
@@ -133,7 +131,8 @@ class DirectScheduler(Scheduler):
         for position in range(len(queue) - 1, -1, -1):
             entry = queue[position]
             if entry in displaced:
-                queue[position], displaced[entry] = displaced[entry], SPENT
+                queue[position], others = displaced[entry]
+                displaced[entry] = others, others
 
 
 def _has_frame(code: Any) -> bool:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from ..kernel.exceptions import ProcessError, fault_of, run_is_ended
 from ..kernel.executed import Executed
-from ..kernel.party import Waits
+from ..kernel.party import Entry, Waits
 from ..kernel.places import note_place, place_of
 from ..kernel.scheduler import Join, Task, present
 from .direct import SPENT, DirectScheduler
@@ -170,12 +170,12 @@ class RoutineTask(Task):
 
     def _cancel_ready(self) -> None:
         self.resume = self._abandon
-        self._resumed_as_party()
+        self._takes_place(others=SPENT)
 
-    def _resumed_as_party(self) -> None:
-        """Takes the place of its generator in the ready queue."""
+    def _takes_place(self, others: Entry) -> None:
+        """Takes the last place of its generator in the ready queue; ``others`` take those before it."""
         if isinstance(self.scheduler, DirectScheduler):
-            self.scheduler.displaced[self.coroutine] = self
+            self.scheduler.displaced[self.coroutine] = self, others
 
     def withdraw(self) -> bool:
         """Removes the task from where it waits; False if it does not wait."""
@@ -192,7 +192,7 @@ class RoutineTask(Task):
         """
         scheduler, queue = self.scheduler, self.ready_queue
         if isinstance(scheduler, DirectScheduler) and scheduler.current is not self:
-            scheduler.displaced[self.coroutine] = SPENT
+            scheduler.displaced[self.coroutine] = SPENT, SPENT
             return
         for position, entry in enumerate(queue):
             if entry is self:
@@ -228,7 +228,7 @@ class CheckedTask(RoutineTask):
 
     def _cancel_ready(self) -> None:
         self.resume = self._run_until_communication
-        self._resumed_as_party()
+        self._takes_place(others=self)  # Its code counts the communications that are done.
 
 
 def routine_task(branch: Branch, join: Join, parent: Task | None) -> RoutineTask:

@@ -163,6 +163,41 @@ def test_an_interrupt_cancels_a_body_that_is_ready(before: int) -> None:
     assert trace == [1, "cancelled", True]
 
 
+def two_reads(first: Rendezvous[int], second: Rendezvous[int], trace: list[object]) -> Body:
+    """Reads two values at once, as checked code does."""
+
+    def steps(me: Task) -> Steps:
+        for channel in (first, second):
+            channel.reading = me
+        waiting = 2
+        while waiting:
+            yield
+            waiting -= 1
+        trace.append((first.value, second.value))
+        if me.cancelled:
+            raise Cancelled
+
+    return steps
+
+
+@pytest.mark.parametrize("before", [0, 2 * FEW])
+def test_an_interrupt_cancels_a_body_of_which_both_communications_are_done(before: int) -> None:
+    """It is in the ready queue twice, and continues when it has been resumed twice."""
+    first, second, stop, trace = Rendezvous[int]("a"), Rendezvous[int]("b"), Alternated[int]("stop"), list[object]()
+
+    def interrupting(me: Task) -> Steps:
+        me.scheduler.current = me
+        trace.append((yield from interrupted(two_reads(first, second, trace), Input(stop))))
+
+    def writing(me: Task) -> Steps:
+        for channel, value in ((first, 1), (second, 2), (stop, 3)):
+            yield from write(me, channel, value)
+
+    others = [delayed(writer(Rendezvous[int]("none"))) for _ in range(before)]
+    assert run(*others, delayed(writing), interrupting, program=CheckedProgram).ended == "terminated"
+    assert trace == [(1, 2), True]
+
+
 def delayed(body: Body) -> Body:
     def steps(me: Task) -> Steps:
         begin_delay(me, 1)
