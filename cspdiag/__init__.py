@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cspdiag.codegen.shared.target_error import TargetError
     from cspdiag.draw.layout.graph import LayoutError
     from cspdiag.draw.missing import MissingToolError
+    from cspdiag.model.types import Real
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.settings import SettingError
     from cspdiag.simulate.native.build import CompilerError
@@ -99,24 +100,26 @@ def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
 
 
-def load(path: str | PathLike[str]) -> LoadedProgram:
-    """The program in a file (``-`` is standard input); it is not checked yet. Raises FileError, an OSError, for a file
-    that cannot be read or is not text.
+def load(path: str | PathLike[str], *, real: Real = "double") -> LoadedProgram:
+    """The program in a file (``-`` is standard input); it is not checked yet. ``real`` is what ``double`` means in the
+    program: with ``"float32"`` it computes in single precision.
+
+    Raises FileError, an OSError, for a file that cannot be read or is not text, and ArgumentError for another ``real``.
     """
     from cspdiag.api import load
 
-    return load(path)
+    return load(path, real=real)
 
 
-def parse(text: str, name: str = "program.csp") -> LoadedProgram:
+def parse(text: str, name: str = "program.csp", *, real: Real = "double") -> LoadedProgram:
     """The program in a text; it is not checked yet. ``name`` is what messages call it, and imports are relative to its
-    folder.
+    folder; ``real`` is as for ``load``.
 
     Raises TypeError if it is not a ``str``, ArgumentError if it contains zero bytes or unpaired surrogates.
     """
     from cspdiag.api import parse
 
-    return parse(text, name)
+    return parse(text, name, real=real)
 
 
 def check(path: str | PathLike[str]) -> list[Diagnostic]:

@@ -26,6 +26,7 @@ from cspdiag.arguments import (
 from cspdiag.base import Diagnostic, SourceFile
 from cspdiag.base.errors import ArgumentError, CspdiagError, file_errors
 from cspdiag.base.sources import read_source
+from cspdiag.model.types import REALS
 
 if TYPE_CHECKING:
     import networkx
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from cspdiag.analyses.timing.result import TimingReport
     from cspdiag.draw.pictures import Which
     from cspdiag.draw.scene.shapes import Scene
+    from cspdiag.model.types import Real
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.answers.answer import Answer
     from cspdiag.simulate.result import Run
@@ -49,27 +51,32 @@ class ProgramError(CspdiagError):
         self.diagnostics = diagnostics
 
 
-def load(path: str | os.PathLike[str]) -> LoadedProgram:
-    """The program in a file; ``-`` is standard input. Raises FileError for a file that cannot be read or is
-    not text.
+def load(path: str | os.PathLike[str], *, real: Real = "double") -> LoadedProgram:
+    """The program in a file; ``-`` is standard input. ``real`` is what ``double`` means in the program: with
+    ``"float32"`` it computes in single precision. Raises FileError for a file that cannot be read or is not text, and
+    ArgumentError for another ``real``.
     """
+    require_one_of("real", real, REALS)
     with file_errors():
-        return LoadedProgram(read_source(os.fsdecode(path)))
+        return LoadedProgram(read_source(os.fsdecode(path)), real)
 
 
-def parse(text: str, name: str) -> LoadedProgram:
-    """The program in a text; ``name`` is what messages call it, and imports are relative to its folder.
+def parse(text: str, name: str, *, real: Real = "double") -> LoadedProgram:
+    """The program in a text; ``name`` is what messages call it, and imports are relative to its folder. ``real`` is as
+    for ``load``.
 
     Raises TypeError if it is not a ``str``, ArgumentError if it contains zero bytes or unpaired surrogates.
     """
-    return LoadedProgram(source_of(text, name))
+    require_one_of("real", real, REALS)
+    return LoadedProgram(source_of(text, name), real)
 
 
 class LoadedProgram:
     """The text of a program; everything about it is computed on demand."""
 
-    def __init__(self, source: SourceFile) -> None:
+    def __init__(self, source: SourceFile, real: Real = "double") -> None:
         self.source = source
+        self._real: Real = real
 
     def __repr__(self) -> str:
         return f"LoadedProgram({self.source.name!r})"
@@ -89,13 +96,13 @@ class LoadedProgram:
 
     @cached_property
     def _findings(self) -> pipeline.Checked:
-        return pipeline.check(self.source, read_source, for_findings=True)
+        return pipeline.check(self.source, read_source, for_findings=True, real=self._real)
 
     @cached_property
     def _checked(self) -> pipeline.Checked:
         found = self._findings
         is_whole = found.analysis is not None or bool(found.report.diagnostics)
-        return found if is_whole else pipeline.check(self.source, read_source)
+        return found if is_whole else pipeline.check(self.source, read_source, real=self._real)
 
     def check(self) -> list[Diagnostic]:
         """All errors and warnings, by file and place; empty if there are none."""
@@ -125,7 +132,13 @@ class LoadedProgram:
     ) -> CoreNetwork:
         require_names(top=top, environment=environment)
         built = pipeline.build(
-            self.source, read_source, top=top, environment=environment, settings=settings_of(set), alone=alone
+            self.source,
+            read_source,
+            top=top,
+            environment=environment,
+            settings=settings_of(set),
+            alone=alone,
+            real=self._real,
         )
         if built.network is None:
             raise ProgramError(built.checked.report.diagnostics)
@@ -341,7 +354,9 @@ class LoadedProgram:
         seconds = require_seconds("time_limit", time_limit)
         require_names(process=process)
         settings = settings_of(set)
-        obligations = pipeline.proof_obligations(self.source, read_source, process=process, settings=settings)
+        obligations = pipeline.proof_obligations(
+            self.source, read_source, process=process, settings=settings, real=self._real
+        )
         if obligations.checked.report.has_errors:
             raise ProgramError(obligations.checked.report.diagnostics)
         verifier = Verifier(obligations, read_source, settings=settings)

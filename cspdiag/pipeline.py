@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cspdiag.base.diagnostic import Label
     from cspdiag.codegen.shared.render import Replacement
     from cspdiag.model.program import Program, Value
+    from cspdiag.model.types import Real
     from cspdiag.network.analyse import Analysis
     from cspdiag.network.infer.contexts import Surroundings
     from cspdiag.network.ir.network import CoreNetwork
@@ -44,6 +45,8 @@ class Checked:
     """Results of the checks that lowering needs too."""
     network: CoreNetwork | None = None
     """The network of the outermost process with all its environments, if an analysis has needed it."""
+    real: Real = "double"
+    """What ``double`` means in the program; environments always compute in double precision."""
 
 
 @node
@@ -93,12 +96,14 @@ def check(
     *,
     parse: Callable[[SourceFile, Report], SourceTree] | None = None,
     for_findings: bool = False,
+    real: Real = "double",
 ) -> Checked:
     """Find all errors in a program and the files it imports.
 
     ``overrides`` replaces the values of constants by name; ``parse`` gives the trees of files, if they are to be
     remembered. ``for_findings``: only the diagnostics are wanted; a program of many elements, of which fewer are enough
-    to know that there are none, then has no ``analysis``. No program makes it raise an exception.
+    to know that there are none, then has no ``analysis``. ``real`` is what ``double`` means in the program. No program
+    makes it raise an exception.
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
@@ -110,15 +115,15 @@ def check(
     report = Report()
     trees = load(main, read, report, parse or parsed)
     if not trees:
-        return Checked(program=None, report=report)
+        return Checked(program=None, report=report, real=real)
     broken = [found for found in report.diagnostics if not isinstance(found, ImportFailure)]
     if broken:
         # Definitions are missing, so the network cannot be judged, but those that were read whole can.
         trees = [part_without_errors(tree, broken) for tree in trees]
         readable = resolve(trees, overrides or {}, report)
         check_model(readable, report)
-        return Checked(program=None, report=report, readable=readable)
-    return _checked(trees, overrides or {}, report, for_findings=for_findings)
+        return Checked(program=None, report=report, readable=readable, real=real)
+    return _checked(trees, overrides or {}, report, for_findings=for_findings, real=real)
 
 
 @raised_recursion_limit()
@@ -130,11 +135,16 @@ def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[La
     assert checked.program is not None
     report = Report()
     report.suspects = suspects
-    return _checked(checked.program.trees, constants, report)
+    return _checked(checked.program.trees, constants, report, real=checked.real)
 
 
 def _checked(
-    trees: Sequence[SourceTree], overrides: Mapping[str, Value], report: Report, *, for_findings: bool = False
+    trees: Sequence[SourceTree],
+    overrides: Mapping[str, Value],
+    report: Report,
+    *,
+    for_findings: bool = False,
+    real: Real,
 ) -> Checked:
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.names.resolve import resolve
@@ -142,7 +152,7 @@ def _checked(
 
     program = resolve(trees, overrides, report)
     check_model(program, report)
-    if for_findings and not report.diagnostics and _is_clean_with_fewer(program):
+    if for_findings and real == "double" and not report.diagnostics and _is_clean_with_fewer(program):
         return Checked(program=program, report=report, readable=program)
     analysis = check_network(program, report)
     network = None
@@ -150,7 +160,23 @@ def _checked(
         from cspdiag.analyses import analyse
 
         network = analyse(program, analysis, report)
-    return Checked(program=program, report=report, readable=program, analysis=analysis, network=network)
+    checked = Checked(program=program, report=report, readable=program, analysis=analysis, network=network, real=real)
+    return checked if real == "double" else _with_rounded_network(checked)
+
+
+def _with_rounded_network(checked: Checked) -> Checked:
+    """The same with the network of the outermost process in the precision of the program, which finds numbers that it
+    does not have.
+    """
+    from cspdiag.network.lower.program import SelectionError
+
+    plain = replaced(checked, network=None)
+    if checked.report.has_errors:
+        return plain
+    try:
+        return replaced(checked, network=compile_network(plain))
+    except SelectionError:
+        return plain
 
 
 def _is_clean_with_fewer(program: Program) -> bool:
@@ -220,6 +246,10 @@ def compile_network(
         )
     except NoSuchElementError as problem:
         raise SettingError(str(problem.as_written(overrides or ()))) from None
+    if network is not None and checked.real == "float32":
+        from cspdiag.network.lower.precision.program import in_single_precision
+
+        network = in_single_precision(network, checked.report)
     return None if checked.report.has_errors else network
 
 
@@ -231,12 +261,13 @@ def build(
     environment: str | None = None,
     settings: Mapping[str, str] | None = None,
     alone: bool = False,
+    real: Real = "double",
 ) -> Built:
     """Check a program and lower it, with settings such as ``{"Tsh": "10 ms", "pan.inertia": "2e-3"}``.
 
-    ``alone``: for the chosen environment only, as for a run. Raises ``cspdiag.settings.SettingError`` for a setting
-    that matches nothing in a program without errors, and ``cspdiag.network.lower.program.SelectionError`` if there is
-    no such process or environment to compile.
+    ``alone``: for the chosen environment only, as for a run. ``real`` is what ``double`` means in the program. Raises
+    ``cspdiag.settings.SettingError`` for a setting that matches nothing in a program without errors, and
+    ``cspdiag.network.lower.program.SelectionError`` if there is no such process or environment to compile.
     """
     from cspdiag.network.lower.program import selection
 
@@ -244,7 +275,7 @@ def build(
         process, environments = selection(program, analysis, top, environment, alone=alone)
         return process, *environments
 
-    checked, overrides = _check_with(main, read, settings, roots)
+    checked, overrides = _check_with(main, read, settings, roots, real)
     network = compile_network(checked, top=top, environment=environment, overrides=overrides.parameters, alone=alone)
     return Built(checked=checked, network=network, overrides=overrides)
 
@@ -254,11 +285,12 @@ def _check_with(
     read: Reader,
     settings: Mapping[str, str] | None,
     roots: Callable[[Program, Analysis], Sequence[Root]],
+    real: Real,
 ) -> tuple[Checked, Overrides]:
     """The checked program with constants set, and the settings as values; ``roots`` finds what is to be compiled."""
     from cspdiag.settings import NO_OVERRIDES, parse_settings
 
-    checked = check(main, read)
+    checked = check(main, read, real=real)
     if checked.program is None or checked.analysis is None or checked.report.has_errors or not settings:
         return checked, NO_OVERRIDES
     overrides = parse_settings(checked.program, settings, roots(checked.program, checked.analysis))
@@ -269,7 +301,12 @@ def _check_with(
 
 
 def proof_obligations(
-    main: SourceFile, read: Reader, *, process: str | None = None, settings: Mapping[str, str] | None = None
+    main: SourceFile,
+    read: Reader,
+    *,
+    process: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    real: Real = "double",
 ) -> ProofObligations:
     """Check a program and collect what is to be proved: its assertions, or those about ``process``.
 
@@ -287,7 +324,7 @@ def proof_obligations(
             found |= dict.fromkeys((outermost, *environments))
         return tuple(found)
 
-    checked, overrides = _check_with(main, read, settings, roots)
+    checked, overrides = _check_with(main, read, settings, roots, real)
     obligations = ProofObligations(checked=checked, questions=(), networks={}, parameters=overrides.parameters)
     if checked.program is None or checked.report.has_errors:
         return obligations

@@ -1,9 +1,10 @@
 """Literate cases: Markdown files whose sections contain a program and what the compiler says about it.
 
 Each ``##`` section is a case: prose, a fenced ``csp`` block with the program, further ``csp NAME`` blocks with the
-files it imports, then a ``diagnostics`` block, a ``network`` block or both, or a ``composition`` block: the elements of
-the composition diagrams. ``network -O1`` is the network after all passes of the optimizer, ``network
-specialize,variables`` the network after these passes, ``network flatten.Main`` only its class ``Main``.
+files it imports, then a ``diagnostics`` block (``diagnostics float32`` with ``--real float32``), a ``network`` block or
+both, or a ``composition`` block: the elements of the composition diagrams. ``network -O1`` is the network after all
+passes of the optimizer, ``network specialize,variables`` the network after these passes, ``network flatten.Main`` only
+its class ``Main``.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from pathlib import Path
 
 from cspdiag import pipeline
 from cspdiag.base import Diagnostic, SourceFile, Span
+from cspdiag.model.types import Real
 from cspdiag.proofs.answers.findings import diagnostics_of
 from tests.support.verifying import answer_text, answers_to
 
@@ -76,7 +78,7 @@ def all_cases() -> list[Case]:
     return [case for path in sorted(CASES.rglob("*.md")) for case in cases_of(path)]
 
 
-def check_files(files: dict[str, str]) -> pipeline.Checked:
+def check_files(files: dict[str, str], real: Real = "double") -> pipeline.Checked:
     """Check the program ``case.csp``, with imports from ``files``."""
 
     def read(path: str) -> SourceFile:
@@ -84,7 +86,7 @@ def check_files(files: dict[str, str]) -> pipeline.Checked:
             raise FileNotFoundError(2, "No such file or directory", path)
         return SourceFile(name=path, text=files[path])
 
-    return pipeline.check(read(MAIN), read)
+    return pipeline.check(read(MAIN), read, real=real)
 
 
 def _place(span: Span) -> str:
@@ -109,7 +111,7 @@ def actual(case: Case, block: Block) -> str:
     if block.language == "proofs":
         answers = answers_to(case.files, MAIN)
         return "".join(f"{answer_text(answer)}{describe(diagnostics_of([answer]))}" for answer in answers)
-    checked = check_files(case.files)
+    checked = check_files(case.files, "float32" if block.name == "float32" else "double")
     if block.language == "diagnostics":
         return describe(checked.report.diagnostics)
     if block.language == "composition":

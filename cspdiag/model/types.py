@@ -6,7 +6,7 @@ with every type, so nothing is reported twice.
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from cspdiag.base.record import record
 from cspdiag.model.units import DIMENSIONLESS, Unit
@@ -125,6 +125,10 @@ class UnknownType:
 
 
 Type: TypeAlias = BoolType | IntType | RealType | TimeType | TextType | EnumType | StructType | ArrayType | UnknownType
+
+Real: TypeAlias = Literal["double", "float32"]
+"""What `double` means in a program: binary64, or binary32."""
+REALS: tuple[Real, ...] = ("double", "float32")
 
 BOOL = BoolType()
 INT = IntType()

@@ -94,17 +94,18 @@ def _helps(suggestion: Suggestion, deadlock: Deadlock, read: pipeline.Reader, li
     assert deadlock.obligations.checked.program is not None
     main = deadlock.obligations.checked.program.main.source
     source = read_changed(changed) if main.name == changed else main
-    obligations = _obligations(source, read_changed, deadlock.question, deadlock.settings)
+    obligations = _obligations(source, read_changed, deadlock, deadlock.settings)
     answer = None if obligations is None else _answer(obligations, limits)
     return answer is not None and answer.outcome == "proved"
 
 
 def _obligations(
-    source: SourceFile, read: pipeline.Reader, question: Question, settings: Mapping[str, str]
+    source: SourceFile, read: pipeline.Reader, deadlock: Deadlock, settings: Mapping[str, str]
 ) -> pipeline.ProofObligations | None:
     """The same question about another program; None if that has errors."""
+    question, real = deadlock.question, deadlock.obligations.checked.real
     try:
-        obligations = pipeline.proof_obligations(source, read, process=question.process, settings=settings)
+        obligations = pipeline.proof_obligations(source, read, process=question.process, settings=settings, real=real)
     except (SettingError, SelectionError):
         return None
     same = tuple(other for other in obligations.questions if other.text == question.text)
@@ -134,7 +135,7 @@ def _smaller(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> tuple
             if limits.remaining <= 0 or not isinstance(value, int) or less >= value:
                 break
             settings = {**deadlock.settings, constant.name.text: str(less)}
-            obligations = _obligations(program.main.source, read, deadlock.question, settings)
+            obligations = _obligations(program.main.source, read, deadlock, settings)
             small = None if obligations is None else obligations.network(deadlock.question.process)
             if obligations is None or small is None or len(small.instances) >= len(network.instances):
                 break

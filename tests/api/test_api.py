@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import shutil
+import struct
 from pathlib import Path
 
 import pytest
 
 import cspdiag
 from cspdiag.api import ProgramError
+from cspdiag.model.types import RealType
 from cspdiag.network.lower.program import SelectionError
 from cspdiag.settings import SettingError, parse_duration, split_setting
 from tests.support.counting import lines
@@ -189,3 +191,17 @@ def test_timing_and_margins_are_objects() -> None:
     assert slow.is_schedulable is None  # it may never reach homing
     found = program.margins(set={"Tsh": "10 ms", "Tsv": "10 ms"})
     assert {loop.margins.is_stable for loop in found.loops if "servo" in loop.opened.cut.name} == {False}
+
+
+def test_a_program_computes_in_single_precision() -> None:
+    program = cspdiag.load("models/jiwy/jiwy.csp", real="float32")
+    run = program.run(until=0.05)
+    reals = {port.type.bits for port in program.network.external_ports if isinstance(port.type, RealType)}
+    assert reals == {32}
+    angles = run["feedback_horizontal"]
+    assert all(float(angle) == struct.unpack("f", struct.pack("f", float(angle)))[0] for angle in angles)
+
+
+def test_an_unknown_precision_is_refused() -> None:
+    with pytest.raises(cspdiag.ArgumentError, match="float32"):
+        cspdiag.load("models/jiwy/jiwy.csp", real="float")  # type: ignore[arg-type]

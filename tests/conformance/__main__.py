@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from cspdiag.model.types import REALS
 from tests.conformance.hunt import hunt
 from tests.conformance.kit import Verdict, certify
 from tests.conformance.sources import ROOT
@@ -32,12 +33,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"{target.name}: {reason}")
         return 2
     if options.random:
-        failure = hunt(target, options.random, options.seed)
+        failure = hunt(target, options.random, options.seed, real=options.real)
         print(failure or f"{target.name}: {options.random} random programs are equal")
         return int(failure is not None)
     folders = [options.folder] if options.folder else FOLDERS
     limit = round(options.limit * 1e6)
-    return show(verdict for folder in folders for verdict in certify(target, folder, limit))
+    return show(verdict for folder in folders for verdict in certify(target, folder, limit, options.real))
 
 
 def show(verdicts: Iterable[Verdict]) -> int:
@@ -64,6 +65,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--seed", type=int, default=None, help="of the random programs; without it other ones each time"
     )
+    parser.add_argument("--real", choices=REALS, default="double", help="what `double` means in the programs")
     return parser
 
 

@@ -6,10 +6,11 @@ from functools import lru_cache
 from random import SystemRandom
 
 from cspdiag.base import SourceFile
+from cspdiag.model.types import Real
 from cspdiag.network.ir.network import Network
 from cspdiag.semantics.trace import Execution
 from tests.conformance.kit import judge
-from tests.conformance.sources import JUST_AFTER, network_of
+from tests.conformance.sources import JUST_AFTER, InvalidProgramError, network_of
 from tests.conformance.targets import REFERENCE, Target
 from tests.properties.drawing import draw_programs
 
@@ -25,21 +26,23 @@ class DifferenceFoundError(Exception):
 
 
 @lru_cache(maxsize=64)
-def _network(text: str) -> Network:
-    return network_of(SourceFile(name="random.csp", text=text))
+def _network(text: str, real: Real) -> Network:
+    return network_of(SourceFile(name="random.csp", text=text), real)
 
 
 @lru_cache(maxsize=64)
-def _done_by_reference(text: str) -> Execution:
+def _done_by_reference(text: str, real: Real) -> Execution:
     """This is the same for every target: all are compared on the same programs."""
-    return REFERENCE.run(_network(text), None, LIMIT)
+    return REFERENCE.run(_network(text, real), None, LIMIT)
 
 
-def hunt(target: Target, count: int, start: int | None = None, *, shrink: bool = True) -> str | None:
+def hunt(
+    target: Target, count: int, start: int | None = None, *, shrink: bool = True, real: Real = "double"
+) -> str | None:
     """The smallest program found that differs, with the difference; None if none of ``count`` programs differs."""
 
     def look(text: str) -> None:
-        details = difference_of(target, text)
+        details = difference_of(target, text, real)
         if details:
             raise DifferenceFoundError(f"{text}\n{details}")
 
@@ -52,7 +55,15 @@ def hunt(target: Target, count: int, start: int | None = None, *, shrink: bool =
     return None
 
 
-def difference_of(target: Target, text: str) -> str:
-    """How a program differs; empty if it does not, or if the target does not support such a program."""
-    verdict = judge(target, _network(text), None, LIMIT, expected=_done_by_reference(text))
+def difference_of(target: Target, text: str, real: Real = "double") -> str:
+    """How a program differs; empty if it does not, or if the target does not support such a program, or single
+    precision does not have its numbers.
+    """
+    try:
+        network = _network(text, real)
+    except InvalidProgramError:
+        if real == "double":
+            raise
+        return ""
+    verdict = judge(target, network, None, LIMIT, expected=_done_by_reference(text, real))
     return verdict.details if verdict.result in ("differs", "crashed") else ""

@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
+from cspdiag.model.types import Real
 from cspdiag.network.ir import expressions as ex
 from cspdiag.network.ir.network import Network
 from cspdiag.network.ir.walk import parts
@@ -38,27 +39,27 @@ class Verdict:
     details: str = ""
 
 
-def certify(target: Target, folder: Path, limit: int = 1_200_000_000) -> Iterator[Verdict]:
+def certify(target: Target, folder: Path, limit: int = 1_200_000_000, real: Real = "double") -> Iterator[Verdict]:
     """The verdicts on every program below a folder, in each of its environments, up to ``limit`` nanoseconds."""
     for name in programs_in(folder):
         try:
-            network = parsed(name)
+            network = parsed(name, real)
         except InvalidProgramError as problem:
             yield Verdict(name, None, "invalid", details=str(problem))
             continue
         for environment in environments(network):
-            yield judge(target, network, environment, limit + JUST_AFTER, name)
+            yield judge(target, network, environment, limit + JUST_AFTER, name, real=real)
 
 
 @lru_cache(maxsize=64)
-def _done_by_reference(name: str, environment: str | None, until: int) -> Execution:
-    return REFERENCE.run(parsed(name), environment, until)
+def _done_by_reference(name: str, environment: str | None, until: int, real: Real) -> Execution:
+    return REFERENCE.run(parsed(name, real), environment, until)
 
 
 @lru_cache(maxsize=64)
-def parsed(name: str) -> Network:
+def parsed(name: str, real: Real = "double") -> Network:
     """The network of a file, which is the same for all targets."""
-    return network_of(read(name))
+    return network_of(read(name), real)
 
 
 def judge(
@@ -68,6 +69,7 @@ def judge(
     until: int,
     name: str = "",
     expected: Execution | None = None,
+    real: Real = "double",
 ) -> Verdict:
     """Run a program, of the file ``name`` if it has one, on a target and on the reference, and compare.
 
@@ -80,7 +82,9 @@ def judge(
     except Exception as crash:
         return Verdict(name, environment, "crashed", details="".join(traceback.format_exception(crash)[-6:]))
     if expected is None:
-        expected = _done_by_reference(name, environment, until) if name else REFERENCE.run(network, environment, until)
+        expected = (
+            _done_by_reference(name, environment, until, real) if name else REFERENCE.run(network, environment, until)
+        )
     if not target.inside:
         external = external_channels(network)
         expected, done = (

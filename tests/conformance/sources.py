@@ -7,6 +7,7 @@ from pathlib import Path
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.render.text import render
+from cspdiag.model.types import Real
 from cspdiag.network.ir.network import Network
 
 ROOT = Path(__file__).parents[2]
@@ -37,9 +38,9 @@ def read(path: str) -> SourceFile:
     return SourceFile(name=path, text=(ROOT / path).read_text(encoding="utf-8"))
 
 
-def network_of(source: SourceFile) -> Network:
+def network_of(source: SourceFile, real: Real = "double") -> Network:
     """The network of a program. Raises InvalidProgramError, with the diagnostics, if it has errors."""
-    built = pipeline.build(source, read)
+    built = pipeline.build(source, read, real=real)
     if built.network is None:
         raise InvalidProgramError(render(built.checked.report.diagnostics))
     return built.network

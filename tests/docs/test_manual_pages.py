@@ -11,6 +11,7 @@ import pytest
 from cspdiag.base import Diagnostic
 from cspdiag.base.files import resources
 from cspdiag.base.manual import FAMILIES, manual_page, manual_pages, read_page, reference
+from cspdiag.network.diagnostics.precision import ChangedArgument, NotInSinglePrecision, RoundedWhole
 from cspdiag.proofs.answers.findings import diagnostics_of
 from tests.docs.kinds_of_diagnostics import kinds_of_diagnostics
 from tests.literate import CASES, MAIN, check_files, describe
@@ -18,6 +19,8 @@ from tests.support.verifying import answers_to
 
 KINDS = kinds_of_diagnostics()
 MANUAL = Path(resources.manual_page_file())
+OF_SINGLE_PRECISION = (ChangedArgument, NotInSinglePrecision, RoundedWhole)
+"""Those that need ``--real float32``."""
 by_code = pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.code)
 
 
@@ -88,7 +91,7 @@ def test_a_page_is_whole(kind: type[Diagnostic]) -> None:
 
 def found_in(program: str, kind: type[Diagnostic]) -> list[Diagnostic]:
     """What is wrong with a program, including proofs if the diagnostic is one of theirs."""
-    found = check_files({MAIN: program}).report.diagnostics
+    found = check_files({MAIN: program}, "float32" if kind in OF_SINGLE_PRECISION else "double").report.diagnostics
     return found or (diagnostics_of(answers_to({MAIN: program}, MAIN)) if kind.code.startswith("E11") else [])
 
 

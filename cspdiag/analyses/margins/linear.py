@@ -193,7 +193,7 @@ class Linearization:
 
     def _function(self, call: FunctionCall, arguments: list[Any]) -> Any:
         if call.function == "seconds":
-            return arguments[0] / 1_000_000_000
+            return arithmetic.checked(arguments[0] / 1_000_000_000, call.type)
         if not any(isinstance(argument, Number) for argument in arguments):
             return arithmetic.function(call.function, arguments, call.type)
         plain = [_plain(argument) for argument in arguments]

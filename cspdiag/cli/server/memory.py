@@ -13,6 +13,7 @@ from cspdiag.base.record import record
 from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
+from cspdiag.model.types import Real
 from cspdiag.pipeline import Reader, check
 from cspdiag.syntax import kept
 from cspdiag.syntax.ast import SourceTree
@@ -153,6 +154,8 @@ def remember(memory: Memory) -> None:
     _find = memory.findings
 
 
-def findings(main: SourceFile) -> list[Diagnostic]:
-    """Everything that is wrong with a program, by file and place."""
+def findings(main: SourceFile, real: Real = "double") -> list[Diagnostic]:
+    """Everything that is wrong with a program, by file and place; remembered only where ``double`` is double."""
+    if real != "double":
+        return check(main, read_source, parse=kept.parse, real=real).report.diagnostics
     return _find(main, read_source)

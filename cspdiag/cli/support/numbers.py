@@ -1,11 +1,13 @@
-"""The numbers in options: finite, and written as in the language."""
+"""Numbers in options: finite, and written as in the language; and the option for the numbers of a program."""
 
 from __future__ import annotations
 
 import math
 import re
-from argparse import ArgumentTypeError
+from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable
+
+from cspdiag.model.types import REALS
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
@@ -40,3 +42,14 @@ def positive(least: float, most: float, unit: str) -> Callable[[str], float]:
         return value
 
     return read
+
+
+def add_real(parser: ArgumentParser) -> None:
+    """Declare the option ``--real``: the precision that a program computes in."""
+    parser.add_argument(
+        "--real",
+        choices=REALS,
+        default="double",
+        help="what `double` means in the program: with float32 it computes in single precision, on every target; "
+        "environments stay in double precision (default: double)",
+    )

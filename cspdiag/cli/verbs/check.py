@@ -11,6 +11,7 @@ from cspdiag.base.span import SourceFile
 from cspdiag.cli.server.memory import findings
 from cspdiag.cli.support.diagnostic_formats import FORMATS, show_findings
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError, described
+from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.terminal import say
 
 EXAMPLE = (
@@ -29,6 +30,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--diff", action="store_true", help="print what --fix would change, and change nothing; exit 1 if it would"
     )
+    add_real(parser)
     parser.add_argument("--format", choices=FORMATS, default="text", help="output format (default: text)")
     # The command has looked for it before it loaded this module.
     parser.add_argument(
@@ -67,7 +69,7 @@ def run(arguments: Namespace) -> int:
     else:
         found = Report()
         for source in sources:
-            for diagnostic in findings(source):
+            for diagnostic in findings(source, arguments.real):
                 found.add(diagnostic)
         show_findings(found.diagnostics, [source.name for source in sources], arguments)
         count = sum(bool(diagnostic.edits) for diagnostic in found.diagnostics)

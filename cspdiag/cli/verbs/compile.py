@@ -11,6 +11,7 @@ from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import require_folder
+from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.codegen import TARGETS, target_errors
 from cspdiag.pipeline import build, check, generate
@@ -39,6 +40,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
     )
+    add_real(parser)
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed by hand")
     parser.add_argument(
         "--templates",
@@ -184,6 +186,7 @@ def _network(arguments: Namespace) -> CoreNetwork | None:
             top=arguments.top,
             environment=arguments.environment,
             settings=split_settings(arguments.set),
+            real=arguments.real,
         )
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None

@@ -11,7 +11,7 @@ from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import file_path, require_file
-from cspdiag.cli.support.numbers import number
+from cspdiag.cli.support.numbers import add_real, number
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def add_arguments(parser: ArgumentParser) -> None:
             "given again"
         ),
     )  # fmt: skip
+    add_real(parser)
     parser.add_argument(
         "--at", action="append", default=[], metavar="NAME=VALUE", dest="point",
         help="a state of the plant at the operating point (pan.speed=0.5); may be repeated",
@@ -110,6 +111,7 @@ def _built(arguments: Namespace) -> Built:
             environment=arguments.environment,
             settings=_settings(arguments),
             alone=True,
+            real=arguments.real,
         )
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None

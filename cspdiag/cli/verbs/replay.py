@@ -60,7 +60,9 @@ def _network(arguments: Namespace, trace: Trace) -> CoreNetwork | None:
     try:
         own = split_settings(arguments.settings)
         settings = {**trace.settings, **own}
-        built = build(read_source(arguments.file), read_source, top=trace.process, settings=settings)
+        built = build(
+            read_source(arguments.file), read_source, top=trace.process, settings=settings, real=arguments.real
+        )
     except (SettingError, SelectionError) as problem:
         kept = [f"{name}={value}" for name, value in trace.settings.items() if name not in own]
         source = f" ({arguments.replay} has the settings {', '.join(kept)})" if own and kept else ""

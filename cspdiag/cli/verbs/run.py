@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
+from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ def add_arguments(parser: ArgumentParser) -> None:
             "given again"
         ),
     )  # fmt: skip
+    add_real(parser)
     parser.add_argument(
         "--target",
         choices=("python", "c", "auto"),
@@ -165,7 +167,12 @@ def _built(arguments: Namespace) -> Built:
 
     settings = split_settings(arguments.settings)
     built = pipeline.build(
-        read_source(arguments.file), read_source, environment=arguments.environment, settings=settings, alone=True
+        read_source(arguments.file),
+        read_source,
+        environment=arguments.environment,
+        settings=settings,
+        alone=True,
+        real=arguments.real,
     )
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
     return built

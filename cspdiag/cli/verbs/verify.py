@@ -15,7 +15,7 @@ from cspdiag.cli.support.diagnostic_formats import FORMATS
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.output import replace_text
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
-from cspdiag.cli.support.numbers import positive
+from cspdiag.cli.support.numbers import add_real, positive
 from cspdiag.cli.support.proofs.answers import refused, rendered_answers
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
 
@@ -39,6 +39,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
     )
+    add_real(parser)
     parser.add_argument(
         "--method", choices=METHODS, help="use this proof method only (default: the first that answers)"
     )
@@ -143,7 +144,11 @@ def _find_obligations(arguments: Namespace, read: Reader) -> ProofObligations:
 
     try:
         obligations = proof_obligations(
-            read(arguments.file), read, process=arguments.process, settings=_settings(arguments)
+            read(arguments.file),
+            read,
+            process=arguments.process,
+            settings=_settings(arguments),
+            real=arguments.real,
         )
         for question in obligations.questions:
             for name in question.processes:

@@ -103,7 +103,9 @@ def _built(arguments: Namespace) -> Built:
 
     try:
         settings = split_settings(arguments.set)
-        built = pipeline.build(read_source(arguments.file), read_source, top=arguments.process, settings=settings)
+        built = pipeline.build(
+            read_source(arguments.file), read_source, top=arguments.process, settings=settings, real=arguments.real
+        )
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
     return built

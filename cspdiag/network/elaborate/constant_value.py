@@ -79,7 +79,7 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
         case FunctionCall():
             arguments = [value(argument) for argument in expression.arguments]
             if expression.function == "seconds":
-                return arguments[0] / 1_000_000_000
+                return arithmetic.checked(arguments[0] / 1_000_000_000, expression.type)
             return arithmetic.function(expression.function, arguments, expression.type)
         case Conversion():
             assert isinstance(expression.type, IntType | RealType)

@@ -135,7 +135,7 @@ class _Evaluation:
                 if not all(map(is_exact, arguments)):
                     return UNKNOWN
                 if expression.function == "seconds":
-                    return arguments[0] / 1_000_000_000
+                    return arithmetic.checked(arguments[0] / 1_000_000_000, expression.type)
                 return arithmetic.function(expression.function, arguments, expression.type)
             case Conversion():
                 operand = self.value(expression.operand)

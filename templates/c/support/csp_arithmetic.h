@@ -361,4 +361,6 @@ static inline void csp_finite(csp_kernel *csp, double value, const char *port)
     }
 }
 
+#include "csp_single.h"
+
 #endif

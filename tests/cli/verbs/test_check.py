@@ -76,3 +76,13 @@ def test_colours(cspdiag: Command, bad: Path, monkeypatch: pytest.MonkeyPatch) -
     assert "\x1b" not in cspdiag("check", "--color", "never", bad).err
     monkeypatch.setenv("NO_COLOR", "1")
     assert "\x1b" not in cspdiag("check", bad).err
+
+
+def test_single_precision_is_checked_where_it_is_asked_for(tmp_path: Path, cspdiag: Command) -> None:
+    program = tmp_path / "large.csp"
+    program.write_text("process Main {\n  out y : double @ 1 ms\n\n  composition { y ! 1e100 ; y ! 0 }\n}\n")
+    assert cspdiag("check", program).code == 0
+    result = cspdiag("check", "--real", "float32", program)
+    assert result.code == 1
+    assert "error[E0908]: 1e+100 is too large for single precision" in result.err
+    assert "invalid choice: 'half'" in cspdiag("check", "--real", "half", program).err

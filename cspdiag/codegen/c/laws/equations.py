@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import OR, SUM, Code, address, call, code, infix, negated
+from cspdiag.codegen.c.text.code import OR, SUM, Code, address, call, cast, code, infix, negated
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, run, store
 from cspdiag.codegen.shared.equations import Equation
-from cspdiag.model.types import RealType
+from cspdiag.model.types import RealType, is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression, FunctionCall
@@ -60,7 +60,8 @@ class EquationWriter:
         statements: list[Statement] = []
         for group in self._groups(equations):
             tested: list[tuple[Code, str]] = []
-            together = len([item for item in group if self._tested_part(item) is not None]) > 1
+            widths = [is_single(part.type) for part in map(self._tested_part, group) if part is not None]
+            together = len(widths) > 1 and len(set(widths)) == 1
             for equation in group:
                 if isinstance(equation, ExternalCall):
                     statements += self.call(equation, target)
@@ -71,7 +72,7 @@ class EquationWriter:
                 if part is not None:
                     tested.append((code(variable.name) if isinstance(variable, LocalVariable) else variable, place))
             if tested:
-                statements += check_finite_together(tested, self.check)
+                statements += check_finite_together(tested, self.check, single=widths[0])
         return statements
 
     def _groups(self, equations: Sequence[Equation]) -> list[list[Equation]]:
@@ -96,7 +97,7 @@ class EquationWriter:
         if not (isinstance(value, FunctionCall) and value.function == "finite" and isinstance(value.type, RealType)):
             return None
         (part,) = value.arguments
-        return None if value.type.bits != 64 or self.printer.faults(part) else part
+        return None if self.printer.faults(part) else part
 
     def call(self, called: ExternalCall, target: Callable[[str], Target]) -> list[Statement]:
         """A nested body in C: its inputs, one run, its outputs."""
@@ -126,19 +127,21 @@ def record_fault_place(place: str) -> list[Plain]:
 
 
 def check_finite_together(
-    values: Sequence[tuple[Code, str]], check: Check, *, may_have_faulted: bool = False
+    values: Sequence[tuple[Code, str]], check: Check, *, may_have_faulted: bool = False, single: bool = False
 ) -> list[Statement]:
     """The check that all of several values are finite: one test, and those of each only if that fails.
 
     ``values`` have the place at which the fault of each is reported. ``may_have_faulted`` if a fault may have been
-    noted before.
+    noted before; ``single`` if they are floats.
     """
     total, last = values[0][0], values[-1][1]
     for value, _ in values[1:]:
         total = infix("+", SUM, total, value)
-    doubtful = negated(call("csp_is_finite", total))
+    doubtful = negated(call("csp_is_finite_single" if single else "csp_is_finite", total))
     if may_have_faulted:
         doubtful = infix("||", OR, call("csp_faulted"), doubtful)
-    each = [run(call("csp_finite_at", value, quoted(place))) for value, place in values]
+    each = [
+        run(call("csp_finite_at", cast("double", value) if single else value, quoted(place))) for value, place in values
+    ]
     remark = Remark("A sum is finite only if its terms are.") if len(values) > 1 else None
     return [*([remark] if remark else []), *choose(doubtful, [*each, *check(last)])]

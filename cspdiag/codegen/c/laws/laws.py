@@ -45,11 +45,13 @@ from cspdiag.codegen.shared.equations import (
     signals,
     values,
 )
-from cspdiag.model.types import TimeType, Type
+from cspdiag.model.types import TimeType, Type, is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.expressions import FunctionCall
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelClass
+from cspdiag.network.ir.walk import parts
 
 _STEPS = "integration_steps"
 _SUB_STEP = "sub_step"
@@ -135,6 +137,16 @@ class LawFiles:
         return {*signals(late), *parameters(late)}
 
     @cached_property
+    def _single_seconds(self) -> set[str]:
+        """The parameters of type ``time`` that runs only use in seconds of single precision."""
+        late = evaluated_in_runs(self.class_)
+        uses = [part for part in parts(late) if isinstance(part, FunctionCall) and part.function == "seconds"]
+        of_single, of_double = (
+            parameters(use for use in uses if is_single(use.type) is kind) for kind in (True, False)
+        )
+        return set(of_single) - set(of_double)
+
+    @cached_property
     def _sub_steps(self) -> bool:
         return bool(self.class_.derivatives) and self.class_.step is not None
 
@@ -191,7 +203,9 @@ class LawFiles:
     def _field(self, item: Declared) -> tuple[str, str, str | None]:
         type_ = self.signal_types[item.name]
         seconds = isinstance(type_, TimeType) and any(item.name == p.name for p in self.class_.parameters)
-        return "double" if seconds else self.types.type_name(type_), self.members[item.name], item.doc
+        if seconds:
+            return "float" if item.name in self._single_seconds else "double", self.members[item.name], item.doc
+        return self.types.type_name(type_), self.members[item.name], item.doc
 
     def _parameters(self) -> list[str]:
         parameters = [f"{self.types.type_name(item.type)} {self.members[item.name]}" for item in self.class_.parameters]
@@ -222,9 +236,12 @@ class LawFiles:
             member = self.members[name]
             return code(member) if name in known or (initializing and name in parameters) else own(member)
 
-        def seconds(name: str) -> Code:
+        def seconds(name: str, double: bool) -> Code:
             member = self.members[name]
-            return call("csp_seconds", member) if initializing else own(member)
+            if not initializing and not double and name in self._single_seconds:
+                return own(member)
+            value = call("csp_seconds", member) if initializing else own(member)
+            return value if double else cast("float", value)
 
         return Printer(self.types, parameter=lvalue, signal=lvalue, seconds=seconds)
 
@@ -255,9 +272,11 @@ class LawFiles:
         for item in class_.parameters:
             member = self.members[item.name]
             if item.name in self._used_in_runs or self._needs_sample(item):
-                statements.append(
-                    store(own(member), call("csp_seconds", member) if isinstance(item.type, TimeType) else member)
-                )
+                value = code(member)
+                if isinstance(item.type, TimeType):
+                    seconds = call("csp_seconds", member)
+                    value = cast("float", seconds) if item.name in self._single_seconds else seconds
+                statements.append(store(own(member), value))
             elif (
                 item.name not in used
                 and not (self._sub_steps and item.name == "sample")

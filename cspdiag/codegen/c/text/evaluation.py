@@ -77,8 +77,8 @@ class Evaluator:
     signal: Callable[[str], Code] = _unexpected
     variable: Callable[[str], Code] = _unexpected
     written: Callable[[str], Code | None] = _always_written
-    seconds: Callable[[str], Code] | None = None
-    """A parameter of type ``time`` in seconds."""
+    seconds: Callable[[str, bool], Code] | None = None
+    """A parameter of type ``time`` in seconds, as a double or else as a float."""
     time: str | None = None
     constants_by_value: bool = False
     """For static initializers, which have to be constant expressions in C."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 from math import pi
 from typing import assert_never
 
-from cspdiag.base.record import replaced
 from cspdiag.codegen.c.text.code import (
     AND,
     EQUALITY,
@@ -45,7 +44,17 @@ from cspdiag.codegen.shared.operations import (
     range_check,
     truth_of,
 )
-from cspdiag.model.types import ArrayType, BoolType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    IntType,
+    RealType,
+    StructType,
+    TimeType,
+    Type,
+    is_double,
+    is_single,
+)
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -86,6 +95,12 @@ _REAL_FUNCTIONS = {
     "limit": "csp_limit", "sign": "csp_sign", "quantize": "csp_quantize", "deadzone": "csp_deadzone",
     "finite": "csp_real",
 }  # fmt: skip
+_SINGLE_FUNCTIONS = {
+    "abs": "fabsf", "sqrt": "sqrtf", "floor": "floorf", "ceil": "ceilf", "round": "roundf",
+    **{name: f"csp_{name}_single" for name in ("min", "max", "limit", "sign", "deadzone")},
+    "finite": "csp_real_single",
+}  # fmt: skip
+"""Those whose result in single precision is that in double precision, rounded."""
 _WHOLE_FUNCTIONS = {
     "min": "csp_min_int", "max": "csp_max_int", "limit": "csp_limit_int", "sign": "csp_sign_int", "until": "csp_until",
 }  # fmt: skip
@@ -179,12 +194,12 @@ class Printer(Evaluator):
             case "%":
                 code = call("fmod", left, right)
             case "/" if divisor_may_be_zero(expression):
-                code = call("csp_divide", left, right)
+                return call(f"csp_divide{'_single' if is_single(expression.type) else ''}", left, right)
             case "+" | "-" | "*" | "/" | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
                 return infix(operator, _ARITHMETIC[operator], left, right)
             case _:
                 assert_never(operator)
-        return cast("float", code) if expression.type == replaced(expression.type, bits=32) else code
+        return cast("float", code) if is_single(expression.type) else code
 
     def _whole_operation(self, expression: BinaryOperation, left: Code, right: Code) -> Code:
         operator = expression.operator
@@ -270,15 +285,16 @@ class Printer(Evaluator):
         function, given = expression.function, expression.arguments
         if function == "seconds":
             if self.seconds is not None and isinstance(given[0], ParameterValue):
-                return self.seconds(given[0].name)
+                return self.seconds(given[0].name, is_double(expression.type))
             seconds = call("csp_seconds", self._print(given[0]))
-            return cast("float", seconds) if expression.type == replaced(expression.type, bits=32) else seconds
+            return cast("float", seconds) if is_single(expression.type) else seconds
         codes = self._in_order(given)
         code: Code
         if isinstance(expression.type, RealType):
-            name = _REAL_FUNCTIONS[function]
+            is_own = is_single(expression.type) and function in _SINGLE_FUNCTIONS
+            name = _SINGLE_FUNCTIONS[function] if is_own else _REAL_FUNCTIONS[function]
             code = folded(name, codes) if function in ("min", "max") else call(name, *codes)
-            return cast("float", code) if expression.type.bits == 32 else code
+            return cast("float", code) if is_single(expression.type) and not is_own else code
         if function == "abs":
             return self._narrow(expression, call(_checked("csp_absolute", expression.type), codes[0]))
         name = _WHOLE_FUNCTIONS[function]

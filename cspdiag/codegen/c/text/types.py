@@ -132,7 +132,7 @@ class CTypes:
         if not self.has_reals(type_):
             return None
         if isinstance(type_, RealType):
-            return call("csp_finite", cast("double", value) if type_.bits == 32 else value, port)
+            return call("csp_finite_single" if type_.bits == 32 else "csp_finite", value, port)
         return call(f"{self.suffix(type_)}_finite", CSP, value, port)
 
 

@@ -300,7 +300,7 @@ class FastPrinter(Printer):
         is_real = isinstance(expression.type, RealType)
         match expression.function:
             case "seconds" if self.seconds is None or not isinstance(given[0], ParameterValue):
-                return infix("/", PRODUCT, self.print(given[0]), NANOSECONDS)
+                return self._single(expression, infix("/", PRODUCT, self.print(given[0]), NANOSECONDS))
             case "limit":
                 return self._limit(*given)
             case "min" | "max" if len(given) == 2:

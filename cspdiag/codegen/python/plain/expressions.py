@@ -170,10 +170,10 @@ class Printer:
     def _function(self, expression: FunctionCall) -> Code:
         function = expression.function
         if function == "seconds" and self.seconds is not None and isinstance(expression.arguments[0], ParameterValue):
-            return self.seconds(expression.arguments[0].name)
+            return self._single(expression, self.seconds(expression.arguments[0].name))
         arguments = [self.print(argument) for argument in expression.arguments]
         if function == "seconds":
-            return infix("/", PRODUCT, arguments[0], Name(self.imports.runtime("s")))
+            return self._single(expression, infix("/", PRODUCT, arguments[0], Name(self.imports.runtime("s"))))
         if function == "until":
             # For a past instant it is negative, so the wait is over immediately; it does not overflow.
             return infix("-", SUM, *arguments)
@@ -181,6 +181,10 @@ class Printer:
             return self._checked(expression, call(function, *arguments))
         code = call(self.imports.runtime("nearest" if function == "round" else function), *arguments)
         return self._checked(expression, code) if function in ROUNDED_FUNCTIONS else code
+
+    def _single(self, expression: Expression, code: Code) -> Code:
+        """``code``, rounded where the type is binary32."""
+        return call(self.imports.runtime("float32"), code) if is_single(expression.type) else code
 
     def _conversion(self, type_: Type, operand: Expression) -> Code:
         code = self.print(operand)

@@ -1,0 +1,1 @@
+"""The precision that a program computes in."""
