@@ -70,44 +70,27 @@ def _shape(item: object, numbers: list[int]) -> Hashable:
     if isinstance(item, tuple):
         return tuple([_shape(part, numbers) for part in item])
     kind: type = type(item)
-    names = _shaped_fields(kind)
-    if not names:
+    fields = _shaped_fields(kind)
+    if fields is None:
         return item
     if isinstance(item, Counted):
         numbers.append(item.value)
-        return (kind, *[getattr(item, name) for name in names if name != "value"])
-    return (kind, *[_shape(getattr(item, name), numbers) for name in names])
-
-
-def numbers_as_in(first: object, other: object) -> list[int] | None:
-    """The numbers of a tree that differs from ``first`` only in numbers; None if it differs in more."""
-    numbers: list[int] = []
-    return numbers if _is_like(first, other, numbers) else None
-
-
-def _is_like(first: object, other: object, numbers: list[int]) -> bool:
-    if isinstance(first, tuple):
-        if not isinstance(other, tuple) or len(first) != len(other):
-            return False
-        return all(_is_like(a, b, numbers) for a, b in zip(first, other, strict=True))
-    kind: type = type(first)
-    names = _shaped_fields(kind)
-    if not names or kind is not type(other):
-        return first == other
-    if isinstance(other, Counted):
-        numbers.append(other.value)
-        names = tuple([name for name in names if name != "value"])
-    for name in names:
-        a, b = getattr(first, name), getattr(other, name)
-        if not _is_like(a, b, numbers):
-            return False
-    return True
+    plain, inner = fields
+    known = [getattr(item, name) for name in plain]
+    return (kind, *known, *[_shape(getattr(item, name), numbers) for name in inner])
 
 
 @cache
-def _shaped_fields(kind: type) -> tuple[str, ...]:
-    """The fields of a node to compare; empty for everything else."""
-    return getattr(kind, "__record_fields__", ()) if not issubclass(kind, Closed) else ()
+def _shaped_fields(kind: type) -> tuple[tuple[str, ...], tuple[str, ...]] | None:
+    """The fields of a node to compare as they are, and those in which numbers may count; None for everything else."""
+    names: tuple[str, ...] | None = getattr(kind, "__record_fields__", None)
+    if names is None or issubclass(kind, Closed):
+        return None
+    if issubclass(kind, Counted):
+        return tuple([name for name in names if name != "value"]), ()
+    kinds = annotations_of(kind)
+    inner = tuple([name for name in names if kinds[name] not in ATOMS])
+    return tuple([name for name in names if name not in inner]), inner
 
 
 def numbers_in(item: object) -> list[Any]:

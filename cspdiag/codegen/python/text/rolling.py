@@ -6,7 +6,7 @@ that the generator has built, so the loop means the same as its elements by cons
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
 from cspdiag.codegen.python.text.code import (
@@ -30,7 +30,7 @@ from cspdiag.codegen.python.text.code import (
     infix,
 )
 from cspdiag.codegen.python.text.statements import Statement, Statements, repeat
-from cspdiag.codegen.shared.trees import LEAST, numbers_as_in, outline, refilled, repeated, repetitions_from
+from cspdiag.codegen.shared.trees import LEAST, Outline, outline, refilled, repeated, repetitions_from
 
 T = TypeVar("T")
 
@@ -51,15 +51,16 @@ def alike_runs(elements: Sequence[T], variable: str) -> Iterator[tuple[int, int,
     """The elements, where those that follow one another and differ only in numbers that count are one, in which
     ``variable`` is the position: the position of the first, their number, and the element that they share.
     """
-    whole = template(elements, variable) if len(elements) >= LEAST else None
+    outlines = [outline(element) for element in elements]
+    whole = _template(elements[0], outlines, variable, 0) if len(elements) >= LEAST else None
     if whole is not None:
         yield 0, len(elements), whole
         return
-    outlines = [outline(element) for element in elements]
     start = 0
     while start < len(elements):
         turns, _ = repetitions_from(outlines, start, 1, _counts)
-        part = template(elements[start : start + turns], variable, start) if turns >= LEAST else None
+        alike = outlines[start : start + turns]
+        part = _template(elements[start], alike, variable, start) if turns >= LEAST else None
         if part is None:
             turns, part = 1, elements[start]
         yield start, turns, part
@@ -70,19 +71,26 @@ def template(elements: Sequence[T], variable: str, start: int = 0) -> T | None:
     """An expression or statement that equals the elements in turn as ``variable`` counts from ``start``; None if there
     is none.
     """
-    rows: list[list[int]] = []
-    for element in elements:
-        row = numbers_as_in(elements[0], element)
-        if row is None:
+    return _template(elements[0], map(outline, elements), variable, start)
+
+
+def _template(first: T, outlines: Iterable[Outline], variable: str, start: int) -> T | None:
+    """The same from the ``first`` of the elements and the outlines of all."""
+    rows: list[tuple[int, ...]] = []
+    shape: Hashable = None
+    for element in outlines:
+        if not rows:
+            shape = element.shape
+        elif element.shape != shape:
             return None
-        rows.append(row)
+        rows.append(element.numbers)
     counted: list[Code | None] = []
     for values in zip(*rows, strict=True):
         number = None if len(set(values)) == 1 else _counted(values, variable, start)
         if number is None and len(set(values)) > 1:
             return None
         counted.append(number)
-    return _refilled(elements[0], counted)
+    return _refilled(first, counted)
 
 
 def rolled_steps(groups: Sequence[Statements], variable: str) -> Statements:
