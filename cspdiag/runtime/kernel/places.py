@@ -1,7 +1,7 @@
 """Where something happened, in terms of the source of the program.
 
 Generated code carries the place of a statement as a comment, ``# laws.csp:12``, at the end of its line or on a line
-above it.
+above it; two spaces separate it from more text.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from types import CodeType, FrameType, FunctionType, TracebackType
 from .exceptions import Cancelled, Place, RunEnded
 from .executed import Executed
 
-_PLACE = re.compile(r"#\s*([^\s#]+\.csp:\d+)")
+_PLACE = re.compile(r"(?:^\s*|  )# (\S.*?\.csp:\d+)(?:  |\s*$)")
 _RUNTIME = (__package__ or "").rpartition(".")[0]
 """The package of the runtime, which may be inside a generated package."""
 _LIBRARY = os.path.dirname(os.__file__)

@@ -6,6 +6,7 @@ Each text has the comment `// here` in that line.
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -170,3 +171,16 @@ def test_a_fault_in_c_names_where_its_statement_condition_or_guard_begins(kind: 
     program = PROGRAMS[kind]
     places = {level: place_of(program, target="c", level=level) for level in (0, 1)}
     assert places == dict.fromkeys(places, line_of(program))
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("name", ["a b", "a,b", "two  spaces", "it's (new)", "50% #1"])
+def test_any_name_of_a_file_is_shown_in_places(name: str, level: int, tmp_path: Path) -> None:
+    file = tmp_path / f"{name}.csp"
+    file.write_text(
+        "process Main {\n  communication { var n : int = 3 }\n"
+        "  composition {\n    mu (wait 1 ms ; n := 6 / n - 2)\n  }\n}\n"
+    )
+    run = cspdiag.load(str(file)).run(until="10 ms", level=level)
+    assert run.outcome.error is not None
+    assert str(run.outcome.error.place) == f"Main ({name}.csp:4)"
