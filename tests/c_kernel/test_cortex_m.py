@@ -40,7 +40,11 @@ def firmware(network: Network, level: int, folder: Path) -> Path:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
     hosted = {*HOSTED, "csp_port_simulation.c", "csp_port_posix.c", "main_simulation.c"}
-    sources = [file for file in sorted(folder.rglob("*.c")) if file.name not in hosted]
+    sources = [
+        file
+        for file in sorted(folder.rglob("*.c"))
+        if file.name not in hosted and not file.name.startswith("csp_port_board")
+    ]
     environment = f"{network.environments[0].name.lower()}_environment"
     definitions = (
         *("-DCSP_TRACE=1", f'-DENVIRONMENT_HEADER="{environment}.h"', f"-DENVIRONMENT={environment}"),

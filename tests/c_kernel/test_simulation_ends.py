@@ -50,8 +50,11 @@ def simulation() -> Path:
     network = pipeline.build(SourceFile(name="pulse.csp", text=ENDLESS), read).network
     assert network is not None
     files = pipeline.generate(network, read, "c")
-    ports = ("csp_port_posix.c", "csp_port_cortex_m.c", "csp_port_cortex_m_startup.c")
-    sources = [path for path in files if path.endswith(".c") and not path.endswith(ports)]
+    sources = [
+        path
+        for path in files
+        if path.endswith(".c") and ("csp_port_" not in path or path.endswith("csp_port_simulation.c"))
+    ]
     return Build(files, sources, ("-O1", "-DCSP_TRACE=1")).executable()
 
 

@@ -13,7 +13,7 @@ from cspdiag.model.types import REALS
 from tests.conformance.hunt import hunt
 from tests.conformance.kit import Verdict, certify
 from tests.conformance.sources import ROOT
-from tests.conformance.targets import TARGETS, target_named
+from tests.conformance.targets import EMULATED, TARGETS, target_named
 
 FOLDERS = (ROOT / "models", ROOT / "tests" / "conformance" / "programs")
 
@@ -23,11 +23,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     name = options.target_option or options.target
     if name is None:
-        _parser().error(f"which target? there are: {', '.join(TARGETS)}")
+        _parser().error(f"which target? there are: {', '.join([*TARGETS, *EMULATED])}")
     try:
         target = target_named(name)
     except KeyError:
-        _parser().error(f"no target {name!r}; there are: {', '.join(TARGETS)}")
+        _parser().error(f"no target {name!r}; there are: {', '.join([*TARGETS, *EMULATED])}")
     reason = target.unavailable()
     if reason is not None:
         print(f"{target.name}: {reason}")
@@ -55,7 +55,7 @@ def show(verdicts: Iterable[Verdict]) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m tests.conformance", description="Certifies a target.")
-    parser.add_argument("target", nargs="?", help=", ".join(TARGETS))
+    parser.add_argument("target", nargs="?", help=", ".join([*TARGETS, *EMULATED]))
     parser.add_argument(
         "folder", nargs="?", type=Path, help="of programs; without it the models and the disputed cases"
     )

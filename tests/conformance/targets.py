@@ -18,6 +18,7 @@ from cspdiag.runtime.kernel.exceptions import described
 from cspdiag.semantics import execute as semantics
 from cspdiag.semantics.trace import Communication, Ending, Execution
 from cspdiag.simulate.native import run as native
+from cspdiag.simulate.native.boards import BOARDS, Board
 from cspdiag.simulate.native.build import CompilerError, find_compiler
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
@@ -169,6 +170,45 @@ class NativeSimulation:
         return None
 
 
+@dataclass(frozen=True)
+class EmulatedBoard:
+    """The C on an emulated processor, with the mathematical functions of its library."""
+
+    board: Board
+    level: int = 1
+    other_library: bool = True
+    inside: bool = True
+
+    @property
+    def name(self) -> str:
+        """See ``Target.name``."""
+        return self.board.name
+
+    def unavailable(self) -> str | None:
+        """See ``Target.unavailable``."""
+        try:
+            self.board.require_tools()
+        except CompilerError as problem:
+            return str(problem)
+        return None
+
+    def run(self, network: Network, environment: str | None, until: int) -> Execution:
+        """See ``Target.run``."""
+        try:
+            run = native.simulate(
+                network, read, level=self.level, environment=environment, until=until, fused=True, board=self.board
+            )
+        except target_errors() as problem:
+            raise RefusedError(str(problem)) from problem
+        return execution(run)
+
+    def waits(
+        self, network: Network, environment: str | None, until: int, communication: int
+    ) -> tuple[str, ...] | None:
+        """See ``Target.waits``."""
+        return None
+
+
 STEPS = Path(__file__).parent / "random_steps.c"
 
 
@@ -287,9 +327,14 @@ TARGETS: Mapping[str, Target] = {
     )
 }
 
+"""Those that the tests compare on everything."""
+
+EMULATED: Mapping[str, Target] = {name: EmulatedBoard(board) for name, board in BOARDS.items()}
+
 
 def target_named(name: str) -> Target:
     """A target by its name, or by the name without the level (``c``: at level 1). Raises KeyError if there is no such
     target.
     """
-    return TARGETS[name] if name in TARGETS else TARGETS[f"{name}-O1"]
+    targets = {**TARGETS, **EMULATED}
+    return targets[name] if name in targets else targets[f"{name}-O1"]

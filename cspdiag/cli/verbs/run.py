@@ -56,6 +56,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="what to run it on; auto: a native program if there can be one, which gives the same results sooner "
         "(default: python)",
     )
+    parser.add_argument(
+        "--on",
+        metavar="BOARD",
+        help="with --target c: run it on an emulated processor, to the same results: cortex-m0, cortex-m3, cortex-m4, "
+        "cortex-m7 or riscv32",
+    )
     level = parser.add_mutually_exclusive_group()
     level.add_argument("-O0", dest="level", action="store_const", const=0, default=1, help="run readable code")
     level.add_argument("-O1", dest="level", action="store_const", const=1, help="run fast code (default)")
@@ -110,6 +116,8 @@ def run(arguments: Namespace) -> int:
         check_picture("--draw-deadlock", arguments.draw_deadlock)
     if arguments.level == "reference":
         _refuse_unsupported_by_reference(arguments)
+    if arguments.on is not None:
+        _refuse_unsupported_on_board(arguments)
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.settings import SettingError, parse_time_limit
 
@@ -152,6 +160,17 @@ def _refuse_unsupported_by_reference(arguments: Namespace) -> None:
         if given:
             other = "--trace FILE.jsonl has its trace" if option.startswith("--trace") else "use -O0 or -O1"
             raise UsageError(f"{option} is not for -O reference, which has virtual time and the plain trace: {other}")
+
+
+def _refuse_unsupported_on_board(arguments: Namespace) -> None:
+    from cspdiag.simulate.native.boards import BOARDS
+
+    if arguments.on not in BOARDS:
+        raise UsageError(f"unknown board {arguments.on!r} (there are: {', '.join(BOARDS)})")
+    if arguments.target != "c":
+        raise UsageError(f"--on {arguments.on} needs --target c")
+    if arguments.real_time:
+        raise UsageError("--real-time is not for --on: an emulated processor has virtual time")
 
 
 def _require_matplotlib() -> None:
@@ -281,6 +300,7 @@ def _simulate_native(
     recorder: Recorder,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
+    from cspdiag.simulate.native.boards import BOARDS
     from cspdiag.simulate.native.run import simulate
 
     return simulate(
@@ -294,6 +314,7 @@ def _simulate_native(
         on_start=on_start,
         observed=_observed(arguments),
         measured=_is_measured(arguments),
+        board=None if arguments.on is None else BOARDS[arguments.on],
     )
 
 

@@ -28,7 +28,7 @@ _BUILDING = "building-"
 _LONGEST_BUILD = 3600.0
 """Seconds after which such a folder is considered abandoned."""
 _INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
-_PLACE = re.compile(r"/\*.*?([^\s/*(]+\.csp:\d+)")
+_PLACE = re.compile(r"/\*(?:.*\()?\s*([^*()]+\.csp:\d+)\)?")
 
 
 class CompilerError(CspdiagError):
@@ -74,6 +74,18 @@ def _version(command: tuple[str, ...]) -> str:
 
 
 @record
+class Toolchain:
+    """The compiler for another machine than this one: the command, its options, the libraries, and the linker script
+    as a path among the files of the program.
+    """
+
+    command: tuple[str, ...]
+    options: tuple[str, ...]
+    libraries: tuple[str, ...]
+    script: str
+
+
+@record
 class Build:
     """A program to be built from ``files`` (texts by path); ``sources`` are the paths that are compiled and linked."""
 
@@ -82,11 +94,14 @@ class Build:
     options: tuple[str, ...] = ("-O2",)
     folder: Path | None = None
     """The cache; None for the usual one."""
+    toolchain: Toolchain | None = None
+    """None: the compiler of this machine."""
 
     @cached_property
     def compiler(self) -> Compiler:
         """The compiler; CompilerError if none is installed."""
-        return find_compiler()
+        command = None if self.toolchain is None else self.toolchain.command
+        return find_compiler() if command is None else Compiler(command, _version(command))
 
     @cached_property
     def cache(self) -> Path:
@@ -100,7 +115,8 @@ class Build:
 
     @cached_property
     def _flags(self) -> tuple[str, ...]:
-        return (*self.options, *shlex.split(os.environ.get("CFLAGS", "")), *REQUIRED)
+        others = shlex.split(os.environ.get("CFLAGS", "")) if self.toolchain is None else self.toolchain.options
+        return (*self.options, *others, *REQUIRED)
 
     @cached_property
     def _folders(self) -> tuple[str, ...]:
@@ -109,16 +125,24 @@ class Build:
     def executable(self) -> Path:
         """The path of the program; only what is not in the cache is built. Raises CompilerError."""
         digests = {path: self.digest(path) for path in self.sources}
-        target = self.cache / "programs" / _hash([*digests.values(), *self._identity])
+        script = "" if self.toolchain is None else self.files[self.toolchain.script]
+        target = self.cache / "programs" / _hash([*digests.values(), *self._identity, script])
         if _touched(target):
             return target
         objects = self._objects(digests)
         with _Scratch(self.cache) as scratch:
             linked = scratch / "program"
-            self._run([*objects, "-lm", "-pthread", "-o", str(linked)], None)
+            self._run([*objects, *self._libraries(scratch), "-o", str(linked)], None)
             _keep(linked, target)
         _bound(self.cache)
         return target
+
+    def _libraries(self, scratch: Path) -> tuple[str, ...]:
+        if self.toolchain is None:
+            return ("-lm", "-pthread")
+        script = scratch / "memory.ld"
+        script.write_text(self.files[self.toolchain.script], encoding="utf-8")
+        return (*self.toolchain.libraries, "-T", str(script))
 
     @cached_property
     def _identity(self) -> tuple[str, ...]:

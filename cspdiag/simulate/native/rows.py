@@ -45,6 +45,7 @@ class Kind:
     EXECUTION_TIME = 11
     SAMPLE = 12
     WAITING_AT = 13
+    PRESENT = 14
 
 
 @record

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from io import BufferedIOBase
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -17,6 +17,7 @@ from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.pipeline import Reader, generate
 from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.deadlock.report import deadlock_report
+from cspdiag.simulate.native.boards import Board
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.monitor import ProgramMonitor
 from cspdiag.simulate.native.rows import PassedRows
@@ -51,6 +52,9 @@ class NativeRun:
         return self.monitor.running_processes
 
 
+POSIX_SOURCES = ("csp_signals.c", "csp_simulation_posix.c", "csp_stream_posix.c", "csp_watch.c")
+"""The files of the kernel for simulations on this machine only."""
+
 _ENDINGS: tuple[Ending, ...] = ("terminated", "failed", "deadlock", "time limit", "stopped")
 
 
@@ -67,12 +71,13 @@ def simulate(
     observed: Observed = "all",
     fused: bool = False,
     measured: bool = False,
+    board: Board | None = None,
     options: tuple[str, ...] = ("-O2",),
 ) -> Run:
     """Generate, build and run a program; see ``build_program`` and ``NativeProgram.run``."""
     program = build_program(
         network, read, level=level, environment=environment, real_time=real_time, fused=fused, measured=measured,
-        options=options,
+        board=board, options=options,
     )  # fmt: skip
     return program.run(until=until, recorder=recorder, on_start=on_start, observed=observed)
 
@@ -86,10 +91,12 @@ def build_program(
     real_time: bool = False,
     fused: bool = False,
     measured: bool = False,
+    board: Board | None = None,
     options: tuple[str, ...] = ("-O2",),
     replaced: Mapping[str, str] | None = None,
 ) -> NativeProgram:
-    """Generate and build a program; ``real_time`` makes it run against the clock of a POSIX system.
+    """Generate and build a program; ``real_time`` makes it run against the clock of a POSIX system, ``board`` on that
+    board instead of this machine, in virtual time.
 
     With ``measured`` the recorder gets the longest step of each process. ``fused`` programs run processes as one where
     that is possible, and do not report when each starts and ends. ``replaced`` are files of the package, by path, that
@@ -100,19 +107,21 @@ def build_program(
     if chosen is not None:
         refuse_devices(chosen)
     with stopping.raising():
+        if board is not None:
+            board.require_tools()
         files = {**generate(network, read, "c", level, observed=not fused), **(replaced or {})}
-        sources = [path for path in files if path.endswith(".c")]
         path = Build(
             files,
-            _chosen_sources(sources, real_time),
-            (*options, "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ())),
+            _chosen_sources(files, real_time, board),
+            (*(() if board else options), "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ())),
+            toolchain=None if board is None else board.toolchain,
         ).executable()
-    return NativeProgram(network, chosen, path, real_time, flattened=level > 0)
+    return NativeProgram(network, chosen, path, real_time, flattened=level > 0, board=board)
 
 
 @record
 class NativeProgram:
-    """A network that was built for this machine, at ``path``, with one of its environments.
+    """A network that was built for this machine or a ``board``, at ``path``, with one of its environments.
 
     ``flattened``: whether processes are inlined in the thread that runs them, as with ``-O1``.
     """
@@ -122,6 +131,7 @@ class NativeProgram:
     path: Path
     real_time: bool
     flattened: bool
+    board: Board | None = None
 
     def run(
         self,
@@ -137,48 +147,75 @@ class NativeProgram:
         the run with an outcome, not with an exception. Raises CompilerError for a program that fails otherwise.
         """
         recorder = recorder if recorder is not None else Recorder()
-        command = [str(self.path), "--observe", observed, "--parent", str(os.getpid())]
+        words = ["--observe", observed]
         if self.environment is not None:
-            command += ["--environment", self.environment.name]
+            words += ["--environment", self.environment.name]
         if until is not None:
-            command += ["--for", str(until)]
+            words += ["--for", str(until)]
         passed = None if observed == "none" else PassedRows(self.network, keeps_order=observed != "signals")
-        outcome = _run(self, command, recorder, passed, on_start)
+        outcome = _run(self, words, recorder, passed, on_start)
         return Run(self.network, self.environment, outcome, recorder, passed)
 
 
-def _chosen_sources(sources: list[str], real_time: bool) -> list[str]:
-    """The sources of the simulation with the requested kernel port only."""
+def _chosen_sources(files: Iterable[str], real_time: bool, board: Board | None = None) -> list[str]:
+    """The sources of the simulation, with those for one machine only."""
     port = "csp_port_posix.c" if real_time else "csp_port_simulation.c"
-    return [path for path in sources if "csp_port_" not in path or path.endswith(port)]
+    chosen = {port, *(POSIX_SOURCES if board is None else board.sources)}
+    sources = [path for path in files if path.endswith(".c")]
+    names = {path: path.rpartition("/")[2] for path in sources}
+    return [
+        path
+        for path, name in names.items()
+        if name in chosen or not (name.startswith("csp_port_") or name in POSIX_SOURCES)
+    ]
+
+
+@contextmanager
+def _started(
+    program: NativeProgram, words: list[str], monitor: ProgramMonitor
+) -> Iterator[tuple[subprocess.Popen[bytes], BufferedIOBase]]:
+    """The program as a process, and what it writes. It has a session of its own: Ctrl-C reaches this process, which
+    forwards it once, so outputs are released and everything is reported.
+    """
+    reading, writing = os.pipe()
+    if program.board is None:
+        command = [str(program.path), *words, "--parent", str(os.getpid()), "--checks", str(monitor.descriptor)]
+    else:
+        command = program.board.command(str(program.path), [*words, "--stream", f"/dev/fd/{writing}"])
+    on_board = program.board is not None
+    with os.fdopen(reading, "rb") as stream:
+        try:
+            running = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL if on_board else None,
+                stdout=subprocess.DEVNULL if on_board else writing,
+                # Against the clock the program itself reports how late it met the instants.
+                stderr=None if program.real_time else subprocess.PIPE,
+                start_new_session=True,
+                pass_fds=[writing if on_board else monitor.descriptor],
+            )
+        finally:
+            os.close(writing)
+        with running:
+            yield running, stream
 
 
 def _run(
     program: NativeProgram,
-    command: list[str],
+    words: list[str],
     recorder: Recorder,
     passed: PassedRows | None,
     on_start: Callable[[NativeRun], None] | None,
 ) -> Outcome:
-    # A session of its own: Ctrl-C reaches this process, which forwards it once, so outputs are released and everything
-    # is reported. Against the clock the program itself reports how late it met the instants.
-    errors = None if program.real_time else subprocess.PIPE
     with (
         stopping,
         ProgramMonitor() as monitor,
-        subprocess.Popen(
-            [*command, "--checks", str(monitor.descriptor)],
-            stdout=subprocess.PIPE,
-            stderr=errors,
-            start_new_session=True,
-            pass_fds=[monitor.descriptor],
-        ) as running,
+        _started(program, words, monitor) as (running, stream),
         Supervisor(running) as supervisor,
     ):
         monitor.started()
-        assert isinstance(running.stdout, BufferedIOBase)
-        _enlarge(running.stdout)
-        run = NativeRun(StreamReader(running.stdout, program.network, recorder, passed, program.flattened), monitor)
+        _enlarge(stream)
+        run = NativeRun(StreamReader(stream, program.network, recorder, passed, program.flattened), monitor)
         reader = run.reader
         if on_start is not None:
             on_start(run)
@@ -194,6 +231,8 @@ def _run(
     if outcome is None:
         text = (error_output or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
         raise CompilerError(f"the native program has failed: {text}")
+    if program.board is not None:
+        outcome.wall_time = monitor.wall_time
     outcome.real_time = program.real_time
     return outcome
 

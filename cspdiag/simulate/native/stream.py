@@ -189,6 +189,8 @@ class StreamReader:
                 path, _ = self._processes.get(number, ("", ""))
                 if path:
                     self.recorder.execution_time(path, time, value, "thread" if self.flattened else "process")
+            case Kind.PRESENT:
+                self.now = time
             case Kind.WAITING_AT:
                 self._take_place(number, first)
             case other:

@@ -1,40 +1,28 @@
 /* See csp_simulation.h. */
-#define _POSIX_C_SOURCE 200809L /* clock_gettime, sigaction */
-
 #include "csp_simulation.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "csp_arithmetic.h"
-#include "csp_signals.h"
+#include "csp_simulation_host.h"
 #include "csp_stream.h"
 
 enum { EXIT_WRONG_OPTION = 2, TEXT = 2048 };
 
 typedef struct request {
     const char *environment;
-    int64_t until;  /* negative: without limit */
-    int64_t parent; /* the number of the process at whose end it ends; 0: none */
-    int64_t listener; /* the descriptor for a line about each check of the run; negative: none */
+    int64_t until; /* negative: without limit */
     csp_observed observed;
 } request;
 
-static double seconds_now(void)
-{
-    struct timespec present = {0, 0};
-    (void)clock_gettime(CLOCK_MONOTONIC, &present);
-    return (double)present.tv_sec + ((double)present.tv_nsec / 1e9);
-}
-
-static bool read_duration(const char *text, int64_t *duration)
+bool csp_read_number(const char *text, int64_t *number)
 {
     char *end = NULL;
     errno = 0;
     const long long value = strtoll(text, &end, 10);
-    *duration = (int64_t)value;
+    *number = (int64_t)value;
     return (errno == 0) && (end != text) && (*end == '\0') && (value >= 0);
 }
 
@@ -61,21 +49,18 @@ static bool read_options(int count, char **options, request *parsed)
         } else if (strcmp(option, "--environment") == 0) {
             parsed->environment = value;
         } else if (strcmp(option, "--for") == 0) {
-            valid = read_duration(value, &parsed->until);
-        } else if (strcmp(option, "--parent") == 0) {
-            valid = read_duration(value, &parsed->parent);
-        } else if (strcmp(option, "--checks") == 0) {
-            valid = read_duration(value, &parsed->listener);
+            valid = csp_read_number(value, &parsed->until);
         } else if (strcmp(option, "--observe") == 0) {
             valid = read_observed(value, &parsed->observed);
         } else {
-            valid = false;
+            valid = csp_host_option(option, value);
         }
         if (!valid) {
-            (void)fprintf(stderr,
-                          "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|signals|none] [--parent PID] "
-                          "[--checks DESCRIPTOR]\n",
-                          options[0]);
+            csp_host_say("usage: ");
+            csp_host_say(options[0]);
+            csp_host_say(" [--environment NAME] [--for NANOSECONDS] [--observe all|ports|signals|none] ");
+            csp_host_say(csp_host_options);
+            csp_host_say("\n");
             return false;
         }
     }
@@ -89,11 +74,14 @@ static const csp_scenario *find(const csp_scenario *scenarios, uint32_t count, c
             return &scenarios[index];
         }
     }
-    (void)fprintf(stderr, "no environment %s; there are:", name);
+    csp_host_say("no environment ");
+    csp_host_say(name);
+    csp_host_say("; there are:");
     for (uint32_t index = 0; index < count; index++) {
-        (void)fprintf(stderr, " %s", scenarios[index].name);
+        csp_host_say(" ");
+        csp_host_say(scenarios[index].name);
     }
-    (void)fprintf(stderr, "\n");
+    csp_host_say("\n");
     return NULL;
 }
 
@@ -112,14 +100,18 @@ static void show_waiting(csp_kernel *csp, const csp_waiting_process *waiting, vo
     (void)context;
     char text[TEXT] = "";
     csp_describe_waiting(csp, waiting, text, sizeof text);
-    (void)fprintf(stderr, "  %s\n", text);
+    csp_host_say("  ");
+    csp_host_say(text);
+    csp_host_say("\n");
 }
 
 static void show_missed(csp_kernel *csp)
 {
     char text[TEXT] = "";
     csp_describe_missed(csp, text, sizeof text);
-    (void)fprintf(stderr, "  missed samples: %s\n", text);
+    csp_host_say("  missed samples: ");
+    csp_host_say(text);
+    csp_host_say("\n");
 }
 
 /* Describes the failure of a process, or of the environment, whose faults remain in `csp->fault`. */
@@ -139,13 +131,16 @@ static void show(csp_kernel *csp, csp_ending ending, double duration)
     static const char *const endings[] = {"ended by itself", "ended unsuccessfully", "deadlock",
                                           "reached the time limit", "stopped", "not initialized"};
     const double simulated = csp_seconds(csp->now);
-    (void)fprintf(stderr, "%s at %.9g s", endings[ending], simulated);
+    char text[TEXT] = "";
+    (void)snprintf(text, sizeof text, "%s at %.9g s", endings[ending], simulated);
+    csp_host_say(text);
     if (ending == CSP_FAILED) {
-        char text[TEXT] = "";
         describe_failure(csp, text, sizeof text);
-        (void)fprintf(stderr, ": %s", text);
+        csp_host_say(": ");
+        csp_host_say(text);
     }
-    (void)fprintf(stderr, "\n  simulated in %.3g s, %.0f times real time\n", duration, simulated / duration);
+    (void)snprintf(text, sizeof text, "\n  simulated in %.3g s, %.0f times real time\n", duration, simulated / duration);
+    csp_host_say(text);
     if (ending == CSP_DEADLOCK) {
         csp_report_waiting(csp, show_waiting, NULL);
     }
@@ -155,7 +150,7 @@ static void show(csp_kernel *csp, csp_ending ending, double duration)
 int csp_simulate(int count, char **options, csp_kernel *csp, const csp_names *names,
                  const csp_scenario *scenarios, uint32_t scenario_count)
 {
-    request parsed = {NULL, -1, 0, -1, CSP_SILENT};
+    request parsed = {NULL, -1, CSP_SILENT};
     if (!read_options(count, options, &parsed)) {
         return EXIT_WRONG_OPTION;
     }
@@ -174,20 +169,16 @@ int csp_simulate(int count, char **options, csp_kernel *csp, const csp_names *na
         count_misses(csp);
     }
     csp_own(csp);
-    csp_signals_begin();
-    if (parsed.parent != 0) {
-        csp_signals_end_with_parent((long)parsed.parent);
-    }
-    csp_signals_report((int)parsed.listener);
+    csp_host_begin();
     csp_stream_begin(csp, names, parsed.observed);
-    const double began = seconds_now();
+    const double began = csp_host_seconds();
     const csp_ending ending = csp_run(csp, parsed.until);
-    const double duration = seconds_now() - began;
-    const int status = csp_exit_status(ending);
+    const double duration = csp_host_seconds() - began;
+    const int status = csp_host_status(ending);
     if (parsed.observed == CSP_SILENT) {
         show(csp, ending, duration);
     } else if (!csp_stream_end(csp, ending, duration)) {
-        (void)fprintf(stderr, "could not write everything to standard output\n");
+        csp_host_say("could not write everything to standard output\n");
         return (status == EXIT_SUCCESS) ? EXIT_FAILURE : status;
     } else {
         /* It has been reported. */

@@ -1,35 +1,19 @@
 /* See csp_stream.h. */
-#define _POSIX_C_SOURCE 200809L /* threads, signals, and a clock for the processor time of this program */
+#define _POSIX_C_SOURCE 200809L /* with CSP_MEASURE: a clock for the processor time of this program */
 
 #include "csp_stream.h"
 
-#include <errno.h>
-#include <limits.h>
-#include <poll.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "csp_arithmetic.h"
 #include "csp_internal.h"
+#include "csp_stream_rows.h"
 #include "csp_shared.h"
-#include "csp_signals.h"
 
-enum { ROWS = 1 << 12, PAYLOAD = 24, TEXT = 2048, LONGEST_WAIT = 1000 /* milliseconds */ };
-
-/* See csp_stream.h. */
-typedef struct row {
-    uint32_t kind;
-    uint32_t number;
-    int64_t time;
-    uint32_t writer;
-    uint32_t reader;
-    uint64_t value;
-} row;
+enum { PAYLOAD = 24, TEXT = 2048 };
 
 enum {
     CONTINUATION,
@@ -45,91 +29,11 @@ enum {
     END_OF_RUN,
     EXECUTION_TIME,
     SAMPLE,
-    WAITING_AT
+    WAITING_AT,
+    PRESENT
 };
 
-/* The thread of the run fills the buffer and may be stopped anywhere, for good. Other threads, and the one that releases outputs in its place, send only
- * whole records: `complete` rows. Only the sender, which holds the lock, removes rows from the front; `sent` counts bytes. */
-static row buffer[ROWS];
-static size_t filled;
-static volatile size_t complete;
-static size_t sent;
-static pthread_mutex_t sending = PTHREAD_MUTEX_INITIALIZER;
 static bool silent;
-static volatile bool lost; /* some records could not be written */
-
-/* Stops the run, because its records cannot be written. */
-static void give_up(csp_kernel *csp)
-{
-    const bool nobody_reads = errno == EPIPE;
-    CSP_STORE(lost, true);
-    csp_request_stop(csp);
-    if (nobody_reads) {
-        (void)kill(getpid(), SIGPIPE); /* the writing thread may have blocked the signal */
-    }
-}
-
-/* Writes at most `size` bytes of the rows that are not sent. Returns whether to continue: some were written, or another attempt may succeed. */
-static bool send_some(csp_kernel *csp, size_t size)
-{
-    const ssize_t written = CSP_LOAD(lost) ? 0 : write(STDOUT_FILENO, (const unsigned char *)buffer + sent, size);
-    sent += (written > 0) ? (size_t)written : 0U;
-    if ((written < 0) && (errno != EINTR) && (errno != EAGAIN)) {
-        give_up(csp);
-    }
-    return !CSP_LOAD(lost);
-}
-
-/* Blocks signals between a write and its bookkeeping, because a handler that interrupts the run does not return. */
-static void hold_back(sigset_t *before)
-{
-    static const int numbers[] = {SIGURG, CSP_CRASHES};
-    sigset_t held;
-    (void)sigemptyset(&held);
-    for (size_t index = 0U; index < (sizeof numbers / sizeof numbers[0]); index++) {
-        (void)sigaddset(&held, numbers[index]);
-    }
-    (void)pthread_sigmask(SIG_BLOCK, &held, before);
-}
-
-/* Sends all complete records, and moves an incomplete one to the front. */
-static void send_complete(csp_kernel *csp)
-{
-    sigset_t before;
-    hold_back(&before);
-    (void)pthread_mutex_lock(&sending);
-    const size_t end = complete * sizeof(row);
-    while ((sent < end) && send_some(csp, end - sent)) {
-        /* A pipe accepts as much as it has room for. */
-    }
-    (void)memmove(buffer, &buffer[complete], (filled - complete) * sizeof(row));
-    filled -= complete;
-    sent = 0U;
-    CSP_STORE(complete, 0U);
-    (void)pthread_mutex_unlock(&sending);
-    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-}
-
-static bool has_room(int wait)
-{
-    struct pollfd output = {STDOUT_FILENO, POLLOUT, 0};
-    return poll(&output, 1U, wait) > 0;
-}
-
-/* Called by another thread, or in place of the run, which may have been stopped while sending: does not wait, except for the last time. */
-static void attend(bool last)
-{
-    if (pthread_mutex_trylock(&sending) != 0) {
-        return;
-    }
-    const size_t end = CSP_LOAD(complete) * sizeof(row);
-    bool continues = true;
-    while (continues && (sent < end) && has_room(last ? (int)LONGEST_WAIT : 0)) {
-        const size_t rest = end - sent; /* a pipe with room accepts a part of it without waiting */
-        continues = send_some(csp_owned(), (rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF);
-    }
-    (void)pthread_mutex_unlock(&sending);
-}
 
 #if CSP_MEASURE
 
@@ -145,7 +49,7 @@ static int64_t time_used(void)
 static void flush(csp_kernel *csp)
 {
     const int64_t before = time_used();
-    send_complete(csp);
+    csp_rows_send(csp);
     reporting += time_used() - before;
 }
 
@@ -153,38 +57,38 @@ static void flush(csp_kernel *csp)
 
 static void flush(csp_kernel *csp)
 {
-    send_complete(csp);
+    csp_rows_send(csp);
 }
 
 #endif
 
 static void completes(void)
 {
-    CSP_STORE_AFTER(complete, filled);
+    CSP_STORE_AFTER(csp_rows.complete, csp_rows.filled);
 }
 
 /* Adds a row. A record that is longer than the buffer is sent in pieces. */
-static row *add_row(csp_kernel *csp, uint32_t kind, uint32_t number)
+static csp_row *add_row(csp_kernel *csp, uint32_t kind, uint32_t number)
 {
-    if (filled == (size_t)ROWS) {
+    if (csp_rows.filled == (size_t)CSP_ROWS) {
         flush(csp);
     }
-    if (filled == (size_t)ROWS) {
+    if (csp_rows.filled == (size_t)CSP_ROWS) {
         completes();
         flush(csp);
     }
-    row *const added = &buffer[filled];
-    filled++;
+    csp_row *const added = &csp_rows.of[csp_rows.filled];
+    csp_rows.filled++;
     added->kind = kind;
     added->number = number;
     return added;
 }
 
 /* Begins a record where the last complete one ends, discarding an incomplete one. */
-static row *begin_record(csp_kernel *csp, uint32_t kind, uint32_t number)
+static csp_row *begin_record(csp_kernel *csp, uint32_t kind, uint32_t number)
 {
-    filled = complete;
-    row *const added = add_row(csp, kind, number);
+    csp_rows.filled = csp_rows.complete;
+    csp_row *const added = add_row(csp, kind, number);
     added->time = csp->now;
     added->writer = 0;
     added->reader = 0;
@@ -193,9 +97,9 @@ static row *begin_record(csp_kernel *csp, uint32_t kind, uint32_t number)
 }
 
 /* Puts as many of the bytes as there is room for into a row, in place of the fields from its time on. Returns how many. */
-static size_t put_payload(row *into, const unsigned char *bytes, size_t size)
+static size_t put_payload(csp_row *into, const unsigned char *bytes, size_t size)
 {
-    unsigned char *const payload = (unsigned char *)into + offsetof(row, time);
+    unsigned char *const payload = (unsigned char *)into + offsetof(csp_row, time);
     const size_t count = (size < (size_t)PAYLOAD) ? size : (size_t)PAYLOAD;
     (void)memcpy(payload, bytes, count);
     (void)memset(&payload[count], 0, (size_t)PAYLOAD - count);
@@ -229,7 +133,7 @@ static bool only_signals;
 static void put_value(csp_kernel *csp, uint32_t kind, uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
     const size_t size = known->channel_sizes[channel];
-    row *const added = begin_record(csp, kind, channel);
+    csp_row *const added = begin_record(csp, kind, channel);
     added->writer = writer;
     added->reader = reader;
     if (size == sizeof added->value) { /* a constant size, which is faster */
@@ -302,7 +206,7 @@ static void name_all_channels(csp_kernel *csp)
 void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed observed)
 {
     silent = observed == CSP_SILENT;
-    csp_signals_attend(attend);
+    csp_rows_begin();
     observed_channels = 0;
     if (silent) {
         return;
@@ -330,7 +234,7 @@ void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed obse
     (void)csp;
     (void)names;
     silent = observed == CSP_SILENT;
-    csp_signals_attend(attend);
+    csp_rows_begin();
 }
 
 static void name_all_channels(csp_kernel *csp)
@@ -340,6 +244,14 @@ static void name_all_channels(csp_kernel *csp)
 }
 
 #endif
+
+void csp_stream_present(csp_kernel *csp)
+{
+    if (!silent) {
+        (void)begin_record(csp, PRESENT, 0);
+        completes();
+    }
+}
 
 /* Whether the writer of a broadcast waits for this end: to take the value, or, with an output guard, to be read from. */
 static bool is_missing(const csp_broadcast *channel, const csp_broadcast_end *end)
@@ -474,7 +386,7 @@ static void report_execution_times(csp_kernel *csp)
 {
     for (uint32_t number = 1; number < measured_processes; number++) {
         if (measurements[number].steps > 0) {
-            row *const added = begin_record(csp, EXECUTION_TIME, number);
+            csp_row *const added = begin_record(csp, EXECUTION_TIME, number);
             added->time = measurements[number].longest;
             added->value = (uint64_t)measurements[number].steps;
             completes();
@@ -503,5 +415,5 @@ bool csp_stream_end(csp_kernel *csp, csp_ending ending, double duration)
     put_failure(csp, ending == CSP_FAILED);
     completes();
     flush(csp);
-    return !lost;
+    return !csp_rows_lost();
 }

@@ -18,6 +18,7 @@
  *    12  a sample of a sampled input, read or not: the number of the channel, the first 8 bytes of the value
  *    13  the process before waits at a channel: its number, and 2^32 - 1 as writer; then, for each end of a broadcast that has not taken the value, the same with
  *        the number of that end
+ *    14  the present instant, as time
  *
  * So a reader finds the records of one kind without reading the others. Whole records are sent: when there are many, ten times a second, and when the program
  * is ended by force.
@@ -38,6 +39,8 @@ typedef enum csp_observed {
 
 /* To be called before the run. */
 void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed observed);
+/* Reports the present instant, between two turns of the run. */
+void csp_stream_present(csp_kernel *csp);
 /* To be called after the run; false: not everything could be written. */
 bool csp_stream_end(csp_kernel *csp, csp_ending ending, double duration);
 

@@ -37,7 +37,9 @@ _SIMULATION = (
     "csp_port_$(PORT).c",
     "csp_signals.c",
     "csp_simulation.c",
+    "csp_simulation_posix.c",
     "csp_stream.c",
+    "csp_stream_posix.c",
     "csp_watch.c",
 )
 _CONFIGURATION = "csp_config.h"
