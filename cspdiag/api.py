@@ -160,18 +160,21 @@ class LoadedProgram:
 
         return network_graph(self.build(top=top, environment=environment, set=set))
 
-    def compile(self, target: str = "python", *, level: int = 0) -> dict[str, str]:
-        """The generated package: texts by path; ``level`` is 1 for fast code. Raises the exceptions of ``build``,
-        ArgumentError for an unknown target or level, ``TargetError`` for a program that the target cannot express, and
-        FileError for a module of the program that cannot be read.
+    def compile(self, target: str = "python", *, level: int = 0, framework: str = "") -> dict[str, str]:
+        """The generated package: texts by path; ``level`` is 1 for fast code. ``framework`` makes a package in C a
+        library for ``"zephyr"``, ``"esp-idf"``, ``"platformio"`` or ``"arduino"``. Raises the exceptions of ``build``,
+        ArgumentError for an unknown target, level or framework, ``TargetError`` for a program that the target cannot
+        express, and FileError for a module of the program that cannot be read.
         """
         from cspdiag.codegen import TARGETS
+        from cspdiag.codegen.options import FRAMEWORKS
         from cspdiag.codegen.python.valid import require_valid
 
         require_one_of("target", target, TARGETS)
+        require_one_of("framework", framework, ("", *FRAMEWORKS) if target == "c" else ("",))
         _require_level(level)
         with file_errors():
-            files = pipeline.generate(self.network, read_source, target, level)
+            files = pipeline.generate(self.network, read_source, target, level, framework=framework)
         if target == "python":
             require_valid(files)
         return files

@@ -8,6 +8,9 @@ from cspdiag.base.record import EMPTY, record
 from cspdiag.codegen.shared.render import Replacement
 from cspdiag.network.ir.network import CoreNetwork
 
+FRAMEWORKS = ("zephyr", "esp-idf", "platformio", "arduino")
+"""What a package in C can be a library for, instead of a folder with a Makefile and a CMakeLists.txt."""
+
 
 @record(kw_only=True)
 class Options:
@@ -16,7 +19,7 @@ class Options:
     ``traced`` code notifies an observer of every communication; other code, at level 1, of those of external
     ports only. ``observed`` code also notifies it when each process starts and ends, and who communicates. ``probed``
     code keeps variables that have a unit as objects that can be watched. ``templates`` take the places of those of the
-    target, by name.
+    target, by name. ``framework``: the package is a library for it, one of ``FRAMEWORKS``; only in C.
     """
 
     level: int = 0
@@ -24,6 +27,7 @@ class Options:
     observed: bool = False
     probed: bool = False
     templates: Mapping[str, Replacement] = EMPTY
+    framework: str = ""
 
 
 Generator = Callable[[CoreNetwork, Mapping[str, str], Options], dict[str, str]]

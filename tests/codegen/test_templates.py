@@ -13,6 +13,8 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base.record import field_names, is_record
 from cspdiag.cli.main import main
+from cspdiag.codegen.c.package.layouts import LAYOUTS, Layout
+from cspdiag.codegen.options import FRAMEWORKS
 from cspdiag.codegen.shared.render import Replacement, TemplateError, template_names
 from cspdiag.network.ir.network import Network
 from tests.codegen.packages import network, read
@@ -21,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "targets.md").read_text(encoding="utf-8")
 CASCADE = str(ROOT / "models" / "cascade" / "cascade.csp")
 TARGETS = {"c": "C", "python": "Python"}
+OF_FRAMEWORKS = {name for layout in LAYOUTS.values() for name in layout.manifests.values()}
 
 
 def section(target: str) -> str:
@@ -71,6 +74,8 @@ def test_the_page_says_what_each_template_is_given(target: str, given: Mapping[s
     for program in programs:
         for level in (0, 1):
             pipeline.generate(program, read, target, level)
+    for framework in FRAMEWORKS if target == "c" else ():
+        pipeline.generate(network("jiwy"), read, target, framework=framework)
     assert set(documented(target)) == set(template_names(target))
     assert {name: given[name] for name in template_names(target)} == documented(target)
 
@@ -82,7 +87,7 @@ def replaced(target: str, name: str, text: str) -> dict[str, str]:
 @pytest.mark.parametrize("target", TARGETS)
 def test_every_template_can_be_replaced(target: str) -> None:
     plain = pipeline.generate(network("jiwy"), read, target)
-    for name in template_names(target):
+    for name in sorted(set(template_names(target)) - OF_FRAMEWORKS):
         own = {name: Replacement(name, f'mine\n{{% include "original/{name}" %}}')}
         found = pipeline.generate(network("jiwy"), read, target, templates=own)
         changed = {path for path in plain if found[path] != plain[path]}
@@ -91,6 +96,14 @@ def test_every_template_can_be_replaced(target: str) -> None:
             found[path].count("mine\n") == 1 and found[path].replace("mine\n", "") == plain[path] for path in changed
         )
         assert changed or name in ("types.py.j2", "external.py.j2"), name
+
+
+@pytest.mark.parametrize(("framework", "layout"), LAYOUTS.items(), ids=LAYOUTS)
+def test_every_manifest_can_be_replaced(framework: str, layout: Layout) -> None:
+    for path, name in layout.manifests.items():
+        own = {name: Replacement(name, f'mine\n{{% include "original/{name}" %}}')}
+        found = pipeline.generate(network("jiwy"), read, "c", templates=own, framework=framework)
+        assert found[path].startswith("mine\n")
 
 
 def test_the_example_of_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

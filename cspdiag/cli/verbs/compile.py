@@ -14,6 +14,7 @@ from cspdiag.cli.support.files.written import require_folder
 from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.codegen import TARGETS, target_errors
+from cspdiag.codegen.options import FRAMEWORKS
 from cspdiag.pipeline import build, check, generate
 from cspdiag.settings import SettingError, split_settings
 
@@ -34,6 +35,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="TARGET",
         default="python",
         help=f"language of the package: {', '.join(TARGETS)} (default: python)",
+    )
+    parser.add_argument(
+        "--framework",
+        choices=FRAMEWORKS,
+        default="",
+        help="with --target c: make the package a library for it, with its manifest, instead of a folder with a "
+        f"Makefile and a CMakeLists.txt: {', '.join(FRAMEWORKS)}",
+        metavar="NAME",
     )
     parser.add_argument("--top", metavar="PROCESS", help="the outermost process (default: that of the environment)")
     parser.add_argument("--environment", metavar="NAME", help="the environment to compile for (default: the first)")
@@ -137,6 +146,8 @@ def _generate(arguments: Namespace) -> int:
 
     if arguments.target not in TARGETS:
         raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
+    if arguments.framework and arguments.target != "c":
+        raise UsageError(f"--framework {arguments.framework} needs --target c")
     require_folder("-o", arguments.output)
     templates = {} if arguments.templates is None else read_templates(arguments.templates, arguments.target)
     network = _network(arguments)
@@ -146,7 +157,9 @@ def _generate(arguments: Namespace) -> int:
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise UsageError(f"{folder} is in the way: it is not a folder")
     try:
-        files = generate(network, read_source, arguments.target, arguments.level, templates=templates)
+        files = generate(
+            network, read_source, arguments.target, arguments.level, templates=templates, framework=arguments.framework
+        )
         if arguments.target == "python":
             require_valid(files, templates)
     except target_errors() as problem:

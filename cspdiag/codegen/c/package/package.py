@@ -14,6 +14,7 @@ from cspdiag.codegen.c.laws.laws import law_files
 from cspdiag.codegen.c.network.environments import environment_files
 from cspdiag.codegen.c.network.network import network_files
 from cspdiag.codegen.c.package.definitions import constants_header, plain_types_header, types_header
+from cspdiag.codegen.c.package.layouts import SUPPORT, Library, arranged
 from cspdiag.codegen.c.package.refusals import refuse
 from cspdiag.codegen.c.process.levels import separate_depths
 from cspdiag.codegen.c.text.literals import in_comment
@@ -28,9 +29,6 @@ from cspdiag.codegen.shared.render import renderer
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.network import CoreNetwork, Environment, Network, ProcessClass
 from cspdiag.optimize import PASSES, lower_for_targets, optimize
-
-SUPPORT = "support"
-"""The folder of the kernel in a package."""
 
 _SIMULATION = (
     "csp_linear.c",
@@ -54,6 +52,8 @@ class CProject:
     top: str
     source: str
     source_code: str
+    framework: str
+    """For which the package is, such as `zephyr`; empty for the usual package."""
     doc: str
     ports: list[PortRow]
     environments: list[str]
@@ -141,7 +141,7 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
     files.update(network_files(lowered, names, types))
     program = sorted(path for path in files if path.endswith(".c"))
     environments = [entry for entry in lowered.environments if entry.name in {item.name for item in simulated}]
-    can_simulate = bool(environments) or not network.external_ports
+    can_simulate = not options.framework and (bool(environments) or not network.external_ports)
     if can_simulate:
         for environment in environments:
             files.update(environment_files(environment, lowered, names, types))
@@ -162,18 +162,18 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
         path for path in support if path.endswith(".c") and path not in _SIMULATION and not path.startswith("csp_port_")
     )
     source = network.source.rpartition("/")[2]
+    description = sentence(
+        network.class_named(network.top).doc
+        or network.doc
+        or f"The process {network.top}, generated from its CSP diagram."
+    )
     project = CProject(
         package=library_name(names.package),
         top=network.top,
         source=one_line(source),
         source_code=markdown_code(source),
-        doc=markdown(
-            sentence(
-                network.class_named(network.top).doc
-                or network.doc
-                or f"The process {network.top}, generated from its CSP diagram."
-            )
-        ),
+        framework=options.framework,
+        doc=markdown(description),
         ports=[port_row(port) for port in network.external_ports],
         environments=[entry.name for entry in environments],
         files=rows,
@@ -194,6 +194,10 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
             files[path] = render(template, file=file)
     generated = {_CONFIGURATION} & files.keys()
     files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path not in generated})
+    if options.framework:
+        library = Library(project.package, project.top, project.source, one_line(description))
+        compiled = {*by_hand, *program, *project.kernel}
+        return arranged(options.framework, files, library, compiled, render)
     return dict(sorted(files.items()))
 
 

@@ -20,7 +20,7 @@ struct commstime_instance {
 typedef char commstime_size_suffices[(sizeof(commstime_instance) <= COMMSTIME_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
-static const char build[] = "4e3cd900";
+static const char build[] = "00000000";
 
 /* ---- The hooks of the kernel ---- */
 

@@ -22,7 +22,7 @@ struct jiwy_instance {
 typedef char jiwy_size_suffices[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
-static const char build[] = "27279a15";
+static const char build[] = "00000000";
 
 static bool read_joystick_horizontal(void *device, void *value)
 {

@@ -1,0 +1,110 @@
+"""A package as a library for a framework: the folders and manifests that it expects, made of the usual package."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+
+from cspdiag.base.record import record
+from cspdiag.codegen.shared.render import Render
+
+SUPPORT = "support"
+"""The folder of the kernel in a package."""
+
+VERSION = "1.0.0"
+
+LONGEST_DESCRIPTION = 200
+"""Characters, less than any of the registries of libraries accepts."""
+
+_INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+
+CONTRACTION_OFF = """\
+#ifdef __GNUC__
+#pragma GCC optimize("fp-contract=off") /* The values are defined to the last bit. */
+#endif
+"""
+
+
+OWNERS = ("csp_run.c", "csp_platform.c")
+"""Files of the kernel for programs that own their thread, which these libraries do not."""
+
+
+@record
+class Layout:
+    """The templates of the manifests, by path, and whether a library can give options to the compiler."""
+
+    manifests: Mapping[str, str]
+    has_options: bool = True
+
+
+LAYOUTS: Mapping[str, Layout] = {
+    "zephyr": Layout(
+        {
+            "zephyr/module.yml": "zephyr_module.yml.j2",
+            "zephyr/CMakeLists.txt": "zephyr_CMakeLists.txt.j2",
+            "zephyr/Kconfig": "zephyr_Kconfig.j2",
+        }
+    ),
+    "esp-idf": Layout({"CMakeLists.txt": "idf_CMakeLists.txt.j2", "idf_component.yml": "idf_component.yml.j2"}),
+    "platformio": Layout({"library.json": "library.json.j2"}),
+    "arduino": Layout({"library.properties": "library.properties.j2"}, has_options=False),
+}
+"""By the name of the framework."""
+
+
+@record
+class Library:
+    """What the templates of manifests are given; ``sources`` are paths in the package."""
+
+    package: str
+    top: str
+    source: str
+    description: str
+    version: str = VERSION
+    sources: tuple[str, ...] = ()
+
+
+def arranged(
+    framework: str, files: Mapping[str, str], described: Library, compiled: Collection[str], render: Render
+) -> dict[str, str]:
+    """The library for a framework, made of ``files``, the usual package: the interface in ``src/``, in a folder below
+    it the sources that are ``compiled`` and the headers that they include, the README, and the manifests.
+    """
+    layout = LAYOUTS[framework]
+    kept = _with_headers([path for path in compiled if not path.endswith(OWNERS)], files)
+    texts = {_moved(path, described.package): _with_options(path, files[path], layout) for path in kept}
+    library = Library(
+        described.package, described.top, described.source, _shortened(described.description),
+        sources=tuple(sorted(path for path in texts if path.endswith(".c"))),
+    )  # fmt: skip
+    manifests = {path: render(template, library=library) for path, template in layout.manifests.items()}
+    return dict(sorted({**texts, **manifests, "README.md": files["README.md"]}.items()))
+
+
+def _with_headers(compiled: Collection[str], files: Mapping[str, str]) -> Collection[str]:
+    """The files that are compiled and those that they include."""
+    found: dict[str, None] = {}
+    pending = sorted(compiled)
+    while pending:
+        path = pending.pop()
+        if path not in found:
+            found[path] = None
+            names = _INCLUDE.findall(files[path])
+            pending += [
+                place for name in names for folder in ("", f"{SUPPORT}/") if (place := f"{folder}{name}") in files
+            ]
+    return found
+
+
+def _moved(path: str, package: str) -> str:
+    """The interface is where frameworks look for headers; the others find each other in one folder."""
+    is_public = path in (f"{package}_api.h", f"{package}_types.h")
+    return f"src/{path}" if is_public else f"src/{package}/{path.removeprefix(f'{SUPPORT}/')}"
+
+
+def _with_options(path: str, text: str, layout: Layout) -> str:
+    return text if layout.has_options or not path.endswith(".c") else CONTRACTION_OFF + text
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= LONGEST_DESCRIPTION else f"{text[: LONGEST_DESCRIPTION - 1].rstrip()}…"
