@@ -11,7 +11,6 @@ from cspdiag import pipeline
 from tests.codegen.packages import network, read
 from tests.codegen.test_golden import GOLDEN, stored
 
-
 BUILD = re.compile(r'(?<=static const char build\[\] = ")[0-9a-f]{8}')
 """The identity of a build, which changes with the kernel."""
 
