@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import cache
+from types import NoneType
 from typing import Any, TypeVar
 
 from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record, record, replaced
@@ -70,27 +71,28 @@ def _shape(item: object, numbers: list[int]) -> Hashable:
     if isinstance(item, tuple):
         return tuple([_shape(part, numbers) for part in item])
     kind: type = type(item)
-    fields = _shaped_fields(kind)
-    if fields is None:
+    names = _shaped_fields(kind)
+    if names is None:
         return item
     if isinstance(item, Counted):
         numbers.append(item.value)
-    plain, inner = fields
-    known = [getattr(item, name) for name in plain]
-    return (kind, *known, *[_shape(getattr(item, name), numbers) for name in inner])
+        return (kind, *[getattr(item, name) for name in names])
+    values = [getattr(item, name) for name in names]
+    # A node that counts may be where the field has a name.
+    return (kind, *[value if type(value) in _PLAIN else _shape(value, numbers) for value in values])
 
 
 @cache
-def _shaped_fields(kind: type) -> tuple[tuple[str, ...], tuple[str, ...]] | None:
-    """The fields of a node to compare as they are, and those in which numbers may count; None for everything else."""
+def _shaped_fields(kind: type) -> tuple[str, ...] | None:
+    """The fields of a node to compare; None for everything else."""
     names: tuple[str, ...] | None = getattr(kind, "__record_fields__", None)
     if names is None or issubclass(kind, Closed):
         return None
-    if issubclass(kind, Counted):
-        return tuple([name for name in names if name != "value"]), ()
-    kinds = annotations_of(kind)
-    inner = tuple([name for name in names if kinds[name] not in ATOMS])
-    return tuple([name for name in names if name not in inner]), inner
+    return tuple([name for name in names if name != "value"]) if issubclass(kind, Counted) else names
+
+
+_PLAIN = frozenset({str, int, bool, NoneType})
+"""Types of values in which no number counts."""
 
 
 def numbers_in(item: object) -> list[Any]:

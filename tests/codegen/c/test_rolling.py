@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.base.sources import read_source
 from cspdiag.codegen.c.text.code import Code, address, call, code, unsigned
 from cspdiag.codegen.c.text.rolling import countable, rolled
 from cspdiag.codegen.c.text.statements import Plain, lines, run
+
+WORKERS = read_source(str(Path(__file__).parents[3] / "benchmarks" / "networks" / "workers.csp"))
 
 
 def shown(*groups: list[Plain]) -> list[str]:
@@ -63,3 +71,14 @@ def test_few_or_irregular_statements_are_not_rolled() -> None:
 
 def test_statements_that_do_not_count_are_not_repeated_by_a_loop() -> None:
     assert shown(*[[run("numbers++")]] * 3) == ["numbers++;"] * 3
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_branches_of_a_parallel_that_differ_in_numbers_share_their_code(level: int) -> None:
+    lengths = set()
+    for size in ("20", "40"):
+        network = pipeline.build(WORKERS, read_source, settings={"size": size}).network
+        assert network is not None
+        files = pipeline.generate(network, read_source, "c", level, observed=True)
+        lengths.add(sum(len(text.splitlines()) for path, text in files.items() if path.startswith("pool")))
+    assert len(lengths) == 1
