@@ -137,11 +137,17 @@ class _Values:
         for name, value in law.next_values:
             if self.may_fault(value):
                 yield SignalValue(type=value.type, name=name)
-        yield law.derivative_equations
-        yield law.derivatives
+        # Each stage of the integration computes these values again, and does not read those from before it.
+        again = {equation.name for equation in law.derivative_equations}
+        for part in parts((law.derivative_equations, law.derivatives)):
+            if isinstance(part, _READ) and not (isinstance(part, SignalValue) and part.name in again):
+                yield part
         yield from (SignalValue(type=d.type, name=name) for name, d in law.derivatives)
         if law.sample is not None:
             yield law.sample
+
+
+_READ = (SignalValue, VariableValue, ChannelEnd)
 
 
 def _names(item: Any) -> Iterator[Name]:
