@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import reduce
-from itertools import count, islice
+from itertools import accumulate, count, islice
 from typing import TypeAlias
 
 from cspdiag.base import Span
@@ -198,9 +198,12 @@ def in_parallel(branches: Iterable[Part]) -> Part:
     taken: dict[Key, set[int]] = {}
     parts = [_with_sessions(each, taken) for each in branches]
     ends = all(each.time is not None for each in parts)
+    times = [each.time for each in parts]
+    before = list(accumulate([None, *times], both))
+    after = list(accumulate([None, *reversed(times)], lambda later, earlier: both(earlier, later)))[::-1]
     reads: dict[Session, Reads] = {}
     for position, each in enumerate(parts):
-        others = reduce(both, (other.time for number, other in enumerate(parts) if number != position), None)
+        others = both(before[position], after[position + 1])
         for session, found in each.reads.items():
             reads[session] = _while_others_run(found, others) if ends else _without_end(found)
     exits = one_of_exits(_exits_in_parallel(each, parts) for each in parts if each.exits)

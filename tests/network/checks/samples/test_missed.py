@@ -14,6 +14,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
+from cspdiag.network.checks.samples import reads
 from cspdiag.network.checks.samples.gaps import NOTHING, Elapsed, Gap, then
 from cspdiag.network.diagnostics.samples.rates import SamplesMissed
 from cspdiag.runtime.kernel.exceptions import Timeout
@@ -329,3 +330,17 @@ def test_what_has_elapsed_is_what_the_steps_add_up_to() -> None:
 
 if __name__ == "__main__":
     print(hunt(range(int(sys.argv[1]))))
+
+
+def test_the_work_for_a_parallel_grows_with_its_branches(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps = [0, 0]
+    combined = reads.both
+    for position, branches in enumerate((50, 100)):
+
+        def counted(one: Gap | None, other: Gap | None, position: int = position) -> Gap | None:
+            steps[position] += 1
+            return combined(one, other)
+
+        monkeypatch.setattr(reads, "both", counted)
+        reads.in_parallel([reads.part(Gap())] * branches)
+    assert steps[1] < 2.2 * steps[0]
