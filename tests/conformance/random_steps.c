@@ -34,7 +34,7 @@ static int64_t next_end(csp_kernel *csp, int64_t from)
     case 0U:
         return from;
     case 1U:
-        return (due < CSP_END_OF_TIME) ? due : from;
+        return (due <= CSP_END_OF_TIME) ? due : from;
     case 2U:
         return ((due > from) && (due < CSP_END_OF_TIME)) ? (due - 1) : from;
     default:
