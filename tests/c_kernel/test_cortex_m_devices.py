@@ -155,8 +155,9 @@ def superloop(folder: Path, program: str, main: str) -> list[str]:
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)
     hosted = {*HOSTED, "csp_port_simulation.c", "csp_port_posix.c", "main_simulation.c"}
+    left_out = ("_environment", "csp_port_board")
     sources = [file for file in sorted(folder.rglob("*.c")) if file.name not in hosted]
-    sources = [file for file in sources if "_environment" not in file.name]
+    sources = [file for file in sources if not any(part in file.name for part in left_out)]
     loop, made = HERE / "cortex_m" / main, folder / "superloop.elf"
     run("arm-none-eabi-gcc", *compiling(folder), *sources, loop, *LINKED, "-o", made)
     command: list[str | Path] = [*MACHINE, *CLOCK, "-kernel", made]

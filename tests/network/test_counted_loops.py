@@ -4,6 +4,8 @@ unrolled.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pytest
 
 from cspdiag import pipeline
@@ -20,7 +22,14 @@ from cspdiag.network.ir.actions import (
     SkipStep,
 )
 from cspdiag.network.ir.walk import parts
+from tests.codegen.c.test_golden import BUILD
 from tests.network.programs import network, process
+
+
+def without_builds(files: Mapping[str, str]) -> dict[str, str]:
+    """The files without the identities of builds, which differ where anything does."""
+    return {name: BUILD.sub("", text) for name, text in files.items()}
+
 
 SOME = MOST_ALIKE_UNROLLED + 1
 MANY = MOST_UNROLLED + 1
@@ -194,7 +203,8 @@ def test_code_for_many_counting_iterations_is_that_for_a_few(target: str, level:
         pipeline.generate(network(COUNTING.format(turns=turns), environment="Bench"), read_source, target, level)
         for turns in (MANY, 60_013)
     )
-    assert {name: text.replace("60013", str(MANY)) for name, text in many.items()} == some
+    shown = {name: text.replace("60013", str(MANY)) for name, text in many.items()}
+    assert without_builds(shown) == without_builds(some)
 
 
 TABLE = """
@@ -246,7 +256,8 @@ def test_code_for_many_iterations_is_that_for_a_few(target: str, level: int) -> 
         pipeline.generate(network(LAW.format(turns=turns), environment="Bench"), read_source, target, level)
         for turns in (SOME, 60_013)
     )
-    assert {name: text.replace("60013", str(SOME)) for name, text in many.items()} == some
+    shown = {name: text.replace("60013", str(SOME)) for name, text in many.items()}
+    assert without_builds(shown) == without_builds(some)
 
 
 def test_a_loop_is_one_step_of_the_network() -> None:
