@@ -47,8 +47,7 @@ class Layout:
         return self._known[name]
 
     def _members(self, kind: str, body: str) -> tuple[int, int]:
-        end = largest = alignment = 1
-        end = 0
+        end, largest, alignment = 0, 1, 1
         for declaration in _declarations(body):
             size, align = self._member(declaration)
             alignment = max(alignment, align)

@@ -153,8 +153,9 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
     files[f"{prefix}_types.h"] = plain_types_header(lowered, prefix, types)
     files["types.h"] = types_header(lowered, names, types, f"{prefix}_types.h")
     support = support_files()
-    headers = [text for path, text in {**support, **files}.items() if path.endswith(".h")]
-    identifying = {path: text for path, text in {**support, **files}.items() if path != "main_simulation.c"}
+    texts = {**support, **files}
+    headers = [text for path, text in texts.items() if path.endswith(".h")]
+    identifying = {path: text for path, text in texts.items() if path != "main_simulation.c"}
     interface = interface_files(lowered, names, types, identifying, headers, render)
     files.update(interface)
     program = sorted([*program, *(path for path in interface if path.endswith(".c"))])
