@@ -18,6 +18,7 @@ from pathlib import Path
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.files.caches import cache_folder
 from cspdiag.base.record import record
+from cspdiag.codegen.c.package.includes import with_headers
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")
 """Options that are always used: the values of a program are defined to the last bit."""
@@ -27,7 +28,6 @@ _BUILDING = "building-"
 """The prefix of folders in which a build works."""
 _LONGEST_BUILD = 3600.0
 """Seconds after which such a folder is considered abandoned."""
-_INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 _PLACE = re.compile(r"/\*(?:.*\()?\s*([^*()]+\.csp:\d+)\)?")
 
 
@@ -153,23 +153,13 @@ class Build:
         """The name in the cache, made of everything on which the object of a file depends: its text, all headers that
         it includes, the compiler and its options.
         """
-        return _hash([path, *(f"{name}\n{self.files[name]}" for name in self._included(path)), *self._identity])
-
-    def _included(self, path: str) -> Iterable[str]:
-        seen: dict[str, None] = {}
-        pending = [path]
-        while pending:
-            present = pending.pop()
-            if present in seen:
-                continue
-            seen[present] = None
-            for name in self._includes[present]:
-                pending += [found for folder in self._folders if (found := os.path.join(folder, name)) in self.files]
-        return sorted(seen)
-
-    @cached_property
-    def _includes(self) -> Mapping[str, list[str]]:
-        return {path: _INCLUDE.findall(text) for path, text in self.files.items()}
+        return _hash(
+            [
+                path,
+                *(f"{name}\n{self.files[name]}" for name in with_headers([path], self.files, self._folders)),
+                *self._identity,
+            ]
+        )
 
     def _objects(self, digests: Mapping[str, str]) -> list[str]:
         """The objects of all sources; missing ones are compiled, in parallel on all processors."""

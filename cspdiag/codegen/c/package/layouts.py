@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Mapping
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.package.includes import with_headers
 from cspdiag.codegen.shared.render import Render
 
 SUPPORT = "support"
@@ -15,8 +15,6 @@ VERSION = "1.0.0"
 
 LONGEST_DESCRIPTION = 200
 """Characters, less than any of the registries of libraries accepts."""
-
-_INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 CONTRACTION_OFF = """\
 #ifdef __GNUC__
@@ -71,7 +69,7 @@ def arranged(
     it the sources that are ``compiled`` and the headers that they include, the README, and the manifests.
     """
     layout = LAYOUTS[framework]
-    kept = _with_headers([path for path in compiled if not path.endswith(OWNERS)], files)
+    kept = with_headers([path for path in compiled if not path.endswith(OWNERS)], files, ("", SUPPORT))
     texts = {_moved(path, described.package): _with_options(path, files[path], layout) for path in kept}
     library = Library(
         described.package, described.top, described.source, _shortened(described.description),
@@ -79,21 +77,6 @@ def arranged(
     )  # fmt: skip
     manifests = {path: render(template, library=library) for path, template in layout.manifests.items()}
     return dict(sorted({**texts, **manifests, "README.md": files["README.md"]}.items()))
-
-
-def _with_headers(compiled: Collection[str], files: Mapping[str, str]) -> Collection[str]:
-    """The files that are compiled and those that they include."""
-    found: dict[str, None] = {}
-    pending = sorted(compiled)
-    while pending:
-        path = pending.pop()
-        if path not in found:
-            found[path] = None
-            names = _INCLUDE.findall(files[path])
-            pending += [
-                place for name in names for folder in ("", f"{SUPPORT}/") if (place := f"{folder}{name}") in files
-            ]
-    return found
 
 
 def _moved(path: str, package: str) -> str:
