@@ -214,9 +214,9 @@ class Scheduler:
         self.forget_cancellation()
 
     def port_log(self, port: str) -> tuple[Any, Any]:
-        """What adds to the instants and the values of an external port; two times None if they are not noted."""
-        log = self.port_logs.get(port)
-        return (None, None) if log is None else (log[0].append, log[1].append)
+        """What adds to the instants and the values of an external port, whether they are noted or not."""
+        times, values = self.port_logs.get(port, ([], []))
+        return times.append, values.append
 
     def note(self, port: str, value: Any) -> None:
         """Notes what an external port shows now, if its values are noted."""

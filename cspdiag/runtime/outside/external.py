@@ -141,25 +141,25 @@ def _handing_to_signals(outputs: Sequence[SampledOutput[Any]]) -> Callable[[], N
     scheduler = present()
     lines = [(port, port.line) for port in outputs]
     noted = [(port, port.line, *scheduler.port_log(port.name)) for port in outputs]
+    observe = scheduler.observe
 
     def tick() -> None:
         for port, signal in lines:
             if port.written:
                 port.written = False
-                signal.value = port.latched
+                signal.value = value = port.latched
+                if observe is not None:
+                    observe(port.name, value, port.writer, None)
 
     def noted_tick() -> None:
         for port, signal, note_time, note_value in noted:
             if port.written:
                 port.written = False
                 signal.value = value = port.latched
-                if note_time is not None:
-                    note_time(scheduler.now)
-                    note_value(value)
-                elif scheduler.observe is not None:
-                    scheduler.observe(port.name, value, port.writer, None)
+                note_time(scheduler.now)
+                note_value(value)
 
-    return noted_tick if scheduler.port_logs or scheduler.observe is not None else tick
+    return noted_tick if scheduler.port_logs else tick
 
 
 class EventOutput(_ExternalOutput[T], Generic[T]):

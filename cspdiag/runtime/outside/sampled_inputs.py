@@ -380,13 +380,17 @@ def _sampling_signals(inputs: Sequence[SampledInput[Any]]) -> Callable[[], None]
     """The end of an input with only one is served in place."""
     scheduler = present()
     log = scheduler.sample_log
-    is_noted = log is not None or bool(scheduler.port_logs)
-    notes = [scheduler.port_log(port.name) for port in inputs]
     lines = [(port, port.line) for port in inputs]
+    noted = [(signal, *scheduler.port_log(port.name)) for port, signal in lines if port.name in scheduler.port_logs]
 
     def sample() -> None:
-        if is_noted:
-            note()
+        if noted:
+            now = scheduler.now
+            for signal, note_time, note_value in noted:
+                note_time(now)
+                note_value(signal.value)
+        elif log is not None:
+            log.extend(entry for port, signal in lines for entry in (scheduler.now, port.name, signal.value))
         enqueue = scheduler.enqueue
         for port, signal in lines:
             port.latest = value = signal.value
@@ -402,13 +406,5 @@ def _sampling_signals(inputs: Sequence[SampledInput[Any]]) -> Callable[[], None]
                     raise_bits(end.inputs)
             elif port.listening is None or port.listening:
                 port.hand_out(value)
-
-    def note() -> None:
-        for (port, signal), (note_time, note_value) in zip(lines, notes, strict=True):
-            if note_time is not None:
-                note_time(scheduler.now)
-                note_value(signal.value)
-            elif log is not None:
-                log.extend((scheduler.now, port.name, signal.value))
 
     return sample
