@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from cspdiag.base.files.json_text import read_json
 from cspdiag.base.record import record
+from cspdiag.codegen.c.package.linkage import NAMES, NO_NAMES
 from cspdiag.codegen.c.package.sizes import PREFIX, SizeMeasurement, Sizes
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native.build import Build, CompilerError
@@ -78,7 +79,7 @@ def _bytes(count: int) -> str:
 def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) -> MemoryReport:
     """Compile a generated package to measure it. Raises CompilerError."""
     measurement = SizeMeasurement(network, level)
-    complete = {**files, _PROBE: measurement.source()}
+    complete = {**files, NAMES: NO_NAMES, _PROBE: measurement.source()}
     sources = [path for path in complete if path.endswith(".c") and not _is_of_simulation(path)]
     build = Build(complete, sources, ("-O2", "-DCSP_TRACE=0"))
     with ThreadPoolExecutor() as pool:

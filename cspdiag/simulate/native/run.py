@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.package.linkage import NAMES, NO_NAMES
 from cspdiag.codegen.c.package.refusals import refuse_devices
 from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.pipeline import Reader, generate
@@ -109,7 +110,7 @@ def build_program(
     with stopping.raising():
         if board is not None:
             board.require_tools()
-        files = {**generate(network, read, "c", level, observed=not fused), **(replaced or {})}
+        files = {**generate(network, read, "c", level, observed=not fused), NAMES: NO_NAMES, **(replaced or {})}
         path = Build(
             files,
             _chosen_sources(files, real_time, board),

@@ -8,6 +8,8 @@
 
 #include <stddef.h>
 
+#include "csp_config.h"
+
 enum { CSP_LINEAR_STATES = 8 /* at most */, CSP_LINEAR_KEPT = 4 };
 
 typedef struct csp_rk4 {

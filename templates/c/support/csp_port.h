@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "csp_config.h"
+
 struct csp_kernel;
 
 /* Called once at the start of time. */

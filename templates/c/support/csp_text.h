@@ -5,6 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "csp_config.h"
+
 /* Appends as much as fits to a text of at most `size` characters, including the terminating 0. */
 void csp_append(char *text, size_t size, const char *more);
 /* Appends a number with at least `least` decimal digits. */

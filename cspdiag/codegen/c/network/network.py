@@ -98,6 +98,8 @@ class _NetworkFiles:
                 "#endif",
                 f"#define CSP_LEVELS {self.levels.count}U /* of priority */",
                 "",
+                '#include "csp_names.h"',
+                "",
                 "#endif",
                 "",
             ]

@@ -15,6 +15,7 @@ from cspdiag.codegen.c.network.environments import environment_files
 from cspdiag.codegen.c.network.network import network_files
 from cspdiag.codegen.c.package.definitions import constants_header, plain_types_header, types_header
 from cspdiag.codegen.c.package.layouts import SUPPORT, Library, arranged
+from cspdiag.codegen.c.package.linkage import NAMES, first_included, names_header
 from cspdiag.codegen.c.package.refusals import refuse
 from cspdiag.codegen.c.process.levels import separate_depths
 from cspdiag.codegen.c.text.literals import in_comment
@@ -41,6 +42,8 @@ _SIMULATION = (
     "csp_watch.c",
 )
 _CONFIGURATION = "csp_config.h"
+_OF_BOARD = "csp_port_board.h"
+"""Its names stay as they are: a board has one start, part of which is in assembly."""
 _FILE_TEMPLATES = {".c": "source.c.j2", ".h": "header.h.j2"}
 
 
@@ -188,13 +191,16 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
     for path, text in by_hand.items():
         if files[path] is not text:
             raise TargetError(f"{path}, written by hand, has the name of a generated file: rename it")
+    sources = [text for path, text in files.items() if path.endswith(".c")]
     for path in files.keys() - by_hand.keys():
         template = _FILE_TEMPLATES.get(path[-2:])
         if template is not None:
             file = CFile(path, files[path].removesuffix("\n"), network.top, in_comment(source))
             files[path] = render(template, file=file)
-    generated = {_CONFIGURATION} & files.keys()
-    files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path not in generated})
+    kernel_headers = [text for path, text in support.items() if path.endswith(".h") and path != _OF_BOARD]
+    files[NAMES] = names_header(project.package, sources, kernel_headers)
+    files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path != _CONFIGURATION})
+    files.update({path: first_included(path, text) for path, text in by_hand.items() if path.endswith(".c")})
     if options.framework:
         library = Library(project.package, project.top, project.source, one_line(description))
         compiled = {*by_hand, *program, *project.kernel}

@@ -7,4 +7,6 @@
 #endif
 #define CSP_LEVELS 1U /* of priority */
 
+#include "csp_names.h"
+
 #endif
