@@ -45,6 +45,9 @@ void csp_port_fatal(const char *message);
 void csp_port_write(const char *text);
 void csp_port_exit(bool successful);
 void csp_port_tick(void);
+/* Stops the processor until an interrupt is pending, although interrupts are masked. The definition in the port of Cortex-M is one `wfi`, and is
+ * replaced by one of your own, for a deeper sleep. */
+void csp_port_sleep(void);
 
 /* Whether time is virtual, so only waiting takes time. */
 extern const bool csp_port_virtual_time;

@@ -1,19 +1,27 @@
-/* The port for bare Cortex-M: SysTick counts time, the processor sleeps until the next interrupt, messages go to a debugger by
- * semihosting. Needs csp_port_cortex_m_startup.c, or a vector table of your own that calls csp_port_tick at every SysTick. */
+/* The port for bare Cortex-M: SysTick counts time, and its interrupt comes at the instant for which the program waits; the processor sleeps until
+ * then. Messages go to a debugger by semihosting. Needs csp_port_cortex_m_startup.c, or a vector table of your own that calls csp_port_tick at every
+ * SysTick. */
 #include "csp_port.h"
 
 #include "csp_program.h"
 
-/* The clock of the processor in hertz, and the number of its cycles in a tick: 1 ms unless defined otherwise. */
+/* The clock of the processor in hertz. */
 #ifndef CSP_CORTEX_M_CLOCK
 #define CSP_CORTEX_M_CLOCK 25000000
 #endif
-#ifndef CSP_CORTEX_M_CYCLES
-#define CSP_CORTEX_M_CYCLES (CSP_CORTEX_M_CLOCK / 1000)
+
+/* The longest sleep in cycles, at most the 24 bits of the counter; then csp_port_alive is called. */
+#ifndef CSP_CORTEX_M_LONGEST
+#define CSP_CORTEX_M_LONGEST (((CSP_CORTEX_M_CLOCK / 20) < (1 << 24)) ? (CSP_CORTEX_M_CLOCK / 20) : (1 << 24))
+#endif
+
+/* The cycles from reading the counter to its first count after a restart. */
+#ifndef CSP_CORTEX_M_RESTART
+#define CSP_CORTEX_M_RESTART 3
 #endif
 
 #define NANOSECONDS INT64_C(1000000000)
-#define TICK (NANOSECONDS * CSP_CORTEX_M_CYCLES / CSP_CORTEX_M_CLOCK)
+#define LONGEST ((uint32_t)CSP_CORTEX_M_LONGEST)
 
 #define INTERRUPT_CONTROL (*(volatile uint32_t *)0xE000ED04U)
 #define SYSTICK_CONTROL (*(volatile uint32_t *)0xE000E010U)
@@ -22,13 +30,20 @@
 
 enum { SYSTICK_ENABLED = 1, SYSTICK_INTERRUPTS = 2, SYSTICK_OF_PROCESSOR = 4, SYSTICK_PENDING = 1 << 26 };
 
+/* Instants that are as near as this are waited for without sleeping: preparing the sleep would take as long. An interrupt that comes later than it should
+ * by less than CLOSE is left as it is, because each restart costs the clock a part of a cycle. */
+enum { NEAR = 100, CLOSE = 32 /* cycles */ };
+
 /* Operations of semihosting. */
 enum { WRITE_TEXT = 0x04, EXIT = 0x18, APPLICATION_EXIT = 0x20026, RUN_TIME_ERROR = 0x20023 };
 
 const bool csp_port_virtual_time = false;
 
-static volatile uint64_t ticks;
-static volatile bool woken; /* since the last wait */
+/* The instant at which the counter last began: seconds since the start, and cycles since then, fewer than those of a second. */
+static volatile uint32_t seconds;
+static volatile uint32_t cycles;
+static volatile uint32_t interval; /* the cycles from there to the next interrupt; the interval after it is the longest one */
+static volatile bool woken;        /* since the last wait */
 
 static uintptr_t semihost(uintptr_t operation, uintptr_t argument)
 {
@@ -51,15 +66,43 @@ void csp_port_exit(bool successful)
     }
 }
 
+/* Moves the instant at which the counter began. */
+static void pass(uint32_t passed)
+{
+    cycles += passed;
+    while (cycles >= (uint32_t)CSP_CORTEX_M_CLOCK) {
+        cycles -= (uint32_t)CSP_CORTEX_M_CLOCK;
+        seconds++;
+    }
+}
+
 void csp_port_tick(void)
 {
-    ticks++;
+    pass(interval);
+    interval = LONGEST;
+}
+
+/* The counter begins anew when its value is written, and takes the reload at its next cycle; after `wanted` cycles it takes the longest one. */
+static void restart(uint32_t wanted)
+{
+    SYSTICK_RELOAD = wanted - 1U;
+    const uint32_t left = SYSTICK_VALUE;
+    SYSTICK_VALUE = 0U;
+    while (SYSTICK_VALUE <= 1U) {
+        /* It has not taken the reload; an emulated one is 1 until then. */
+    }
+    SYSTICK_RELOAD = LONGEST - 1U;
+    pass((interval - left) + (uint32_t)CSP_CORTEX_M_RESTART);
+    interval = wanted;
 }
 
 void csp_port_start(void)
 {
-    ticks = 0U;
-    SYSTICK_RELOAD = (uint32_t)CSP_CORTEX_M_CYCLES - 1U;
+    SYSTICK_CONTROL = 0U;
+    seconds = 0U;
+    cycles = 0U;
+    interval = LONGEST;
+    SYSTICK_RELOAD = LONGEST - 1U;
     SYSTICK_VALUE = 0U;
     SYSTICK_CONTROL = (uint32_t)SYSTICK_ENABLED | (uint32_t)SYSTICK_INTERRUPTS | (uint32_t)SYSTICK_OF_PROCESSOR;
 }
@@ -74,31 +117,72 @@ __attribute__((weak)) void csp_port_alive(void)
 {
 }
 
-/* Reads the counter again if a tick occurred in between. While interrupts are masked, a pending tick has not been counted yet. */
-int64_t csp_port_now(void)
+__attribute__((weak)) void csp_port_sleep(void)
 {
-    uint64_t counted = 0U;
-    uint32_t left = 0U;
-    uint32_t control = 0U;
-    do {
-        counted = ticks;
-        left = SYSTICK_VALUE;
-        control = INTERRUPT_CONTROL;
-    } while ((counted != ticks) || (SYSTICK_VALUE > left));
-    if ((control & (uint32_t)SYSTICK_PENDING) != 0U) {
-        counted++;
-    }
-    const int64_t cycles = (left == 0U) ? 0 : ((int64_t)CSP_CORTEX_M_CYCLES - (int64_t)left);
-    return ((int64_t)counted * TICK) + (cycles * TICK / CSP_CORTEX_M_CYCLES);
+    __asm__ volatile("wfi" : : : "memory");
 }
 
-/* Sleeps until the next interrupt: a tick, or one that brings an event. Masked interrupts also end the sleep, so an interrupt just before it is
- * not missed. */
+/* The cycles since the counter last began, while interrupts are masked: also those of an interval that has ended, but whose interrupt is pending. */
+static uint32_t cycles_passed(void)
+{
+    uint32_t left = SYSTICK_VALUE;
+    if ((INTERRUPT_CONTROL & (uint32_t)SYSTICK_PENDING) != 0U) {
+        left = SYSTICK_VALUE;
+        return interval + ((left == 0U) ? 0U : (LONGEST - left));
+    }
+    return (left == 0U) ? 0U : (interval - left);
+}
+
+/* Nanoseconds since the start, when these cycles have passed since the counter began. */
+static int64_t nanoseconds(uint32_t passed)
+{
+    const int64_t counted = (int64_t)cycles + (int64_t)passed;
+    const int64_t part = ((NANOSECONDS % CSP_CORTEX_M_CLOCK) == 0) ? (counted * (NANOSECONDS / CSP_CORTEX_M_CLOCK))
+                                                                   : (counted * NANOSECONDS / CSP_CORTEX_M_CLOCK);
+    return ((int64_t)seconds * NANOSECONDS) + part;
+}
+
+int64_t csp_port_now(void)
+{
+    const uint32_t outside = csp_port_enter_critical();
+    const int64_t present = nanoseconds(cycles_passed());
+    csp_port_leave_critical(outside);
+    return present;
+}
+
+/* The cycles in a time, rounded up, so that it is over after them; at most the longest sleep. */
+static uint32_t cycles_in(int64_t time)
+{
+    const int64_t longest = (int64_t)LONGEST * NANOSECONDS / CSP_CORTEX_M_CLOCK;
+    return (time >= longest) ? LONGEST : (uint32_t)(((time * CSP_CORTEX_M_CLOCK) + NANOSECONDS - 1) / NANOSECONDS);
+}
+
+/* Makes the next interrupt come when these cycles have passed since the counter began, unless it comes earlier: the wait is repeated then. Returns false
+ * if one of the two is too near. */
+static bool wake_at(uint32_t end)
+{
+    const uint32_t passed = cycles_passed();
+    if ((passed + (uint32_t)NEAR) >= interval) {
+        return false;
+    }
+    if ((end + (uint32_t)CLOSE) < interval) {
+        if ((passed + (uint32_t)NEAR) >= end) {
+            return false;
+        }
+        restart(end - passed);
+    }
+    return true;
+}
+
+/* Sleeps until the next interrupt: that of the instant, or one that brings an event. Masked interrupts also end the sleep, so an interrupt just before
+ * it is not missed. */
 void csp_port_wait_until(int64_t instant)
 {
     const uint32_t outside = csp_port_enter_critical();
-    if (!woken && (csp_port_now() < instant)) {
-        __asm__ volatile("wfi" : : : "memory");
+    const uint32_t passed = cycles_passed();
+    const int64_t present = nanoseconds(passed);
+    if (!woken && (present < instant) && wake_at(passed + cycles_in(instant - present))) {
+        csp_port_sleep();
     }
     woken = false;
     csp_port_leave_critical(outside);

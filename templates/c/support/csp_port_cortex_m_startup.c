@@ -41,6 +41,13 @@ enum { FAULT_STACK = 32 }; /* words of 64 bits */
 
 #define NO_DEBUGGER (UINT32_C(1) << 31U) /* a breakpoint without a debugger */
 
+/* Processors of ARMv6-M, as Cortex-M0, do not say why a fault has happened, and return to thread mode only when all handlers have returned. */
+#ifdef __ARM_ARCH_6M__
+#define HAS_ARMV7 0
+#else
+#define HAS_ARMV7 1
+#endif
+
 int main(void);
 void csp_reset(void);
 /* The stack of the fault handler, which is in assembly. */
@@ -57,6 +64,7 @@ static volatile bool successful; /* the status of an exit in an interrupt handle
 /* Makes writes below the stack fault, if the processor has a memory protection unit. */
 static void guard_stack(void)
 {
+#if HAS_ARMV7
     if ((csp_stack_guard != NULL) && ((PROTECTION_TYPE & (uint32_t)REGIONS) != 0U)) {
         PROTECTION_REGION = 0U;
         PROTECTION_BASE = (uint32_t)(uintptr_t)csp_stack_guard;
@@ -64,6 +72,7 @@ static void guard_stack(void)
         PROTECTION_CONTROL = (uint32_t)PROTECTS | (uint32_t)OTHERWISE_AS_USUAL;
         __asm__ volatile("dsb\n\tisb");
     }
+#endif
 }
 
 void csp_reset(void)
@@ -103,11 +112,13 @@ __attribute__((noreturn)) static void restart_with(void (*function)(void))
     (void)memset(frame, 0, FRAME * sizeof *frame);
     frame[AT_PC] = (uint32_t)(uintptr_t)function & ~UINT32_C(1);
     frame[AT_STATE] = (uint32_t)THUMB;
+#if HAS_ARMV7
     CONFIGURATION |= (uint32_t)TO_THREAD_FROM_ANY_LEVEL;
     FLOATING_POINT_CONTEXT &= ~(uint32_t)KEEPS_CONTEXT; /* it would be saved on the old stack */
+    __asm__ volatile("msr basepri, %0" : : "r"(0U) : "memory");
+#endif
     __asm__ volatile("dsb\n\t"
                      "msr control, %2\n\t" /* privileged */
-                     "msr basepri, %2\n\t"
                      "isb\n\t"
                      "cpsie i\n\t"
                      "msr msp, %0\n\t"
@@ -125,7 +136,7 @@ void _exit(int status)
     uint32_t exception = 0U;
     __asm__ volatile("mrs %0, ipsr" : "=r"(exception));
     successful = status == 0;
-    if ((exception & (uint32_t)OF_HANDLER) != 0U) {
+    if ((HAS_ARMV7 != 0) && ((exception & (uint32_t)OF_HANDLER) != 0U)) {
         restart_with(after_exit);
     }
     after_exit();
@@ -165,14 +176,31 @@ void __assert_func(const char *file, int line, const char *function, const char 
     _exit(1);
 }
 
+/* Whether it is a text for a debugger, and there is none. */
+static bool is_unheard(const uint32_t *frame)
+{
+#if HAS_ARMV7
+    if ((HARD_FAULT_STATUS & NO_DEBUGGER) == 0U) {
+        return false;
+    }
+    HARD_FAULT_STATUS = NO_DEBUGGER;
+#else
+    /* An address that is none of the program's must not be read: a second fault would stop the processor. */
+    if (((frame[AT_PC] % 2U) != 0U) || (frame[AT_PC] >= (uint32_t)(uintptr_t)csp_data_in_flash)) {
+        return false;
+    }
+#endif
+    return *(const uint16_t *)(uintptr_t)frame[AT_PC] == (uint16_t)SEMIHOSTING_CALL;
+}
+
 void csp_fault_entry(uint32_t *frame)
 {
-    if ((HARD_FAULT_STATUS & NO_DEBUGGER) != 0U) {
-        HARD_FAULT_STATUS = NO_DEBUGGER;
-        if (*(const uint16_t *)(uintptr_t)frame[AT_PC] == (uint16_t)SEMIHOSTING_CALL) {
-            frame[AT_PC] += 2U; /* the text was for a debugger, and there is none */
-            return;
-        }
+    if (is_unheard(frame)) {
+        frame[AT_PC] += 2U;
+        return;
+    }
+    if ((HAS_ARMV7 == 0) && ((frame[AT_STATE] & (uint32_t)OF_HANDLER) != 0U)) {
+        after_fault(); /* in this handler: that of the interrupt would have to return first */
     }
     restart_with(after_fault);
 }
@@ -180,18 +208,21 @@ void csp_fault_entry(uint32_t *frame)
 /* Also the handler of interrupts that have none. It has a stack of its own, and passes on the frame that the processor has pushed onto the other. */
 __attribute__((naked)) static void fault(void)
 {
-    __asm__ volatile("tst lr, #4\n\t"
-                     "ite eq\n\t"
-                     "mrseq r0, msp\n\t"
-                     "mrsne r0, psp\n\t"
+    __asm__ volatile("mrs r0, msp\n\t"
+                     "mov r1, lr\n\t"
+                     "movs r2, #4\n\t"
+                     "tst r1, r2\n\t"
+                     "beq 1f\n\t"
+                     "mrs r0, psp\n"
+                     "1:\n\t"
                      "mov r1, sp\n\t"
                      "ldr r2, =csp_fault_stack + %c0\n\t"
                      "mov sp, r2\n\t"
                      "push {r1, lr}\n\t"
                      "bl csp_fault_entry\n\t"
-                     "pop {r1, lr}\n\t"
+                     "pop {r1, r2}\n\t"
                      "mov sp, r1\n\t"
-                     "bx lr\n\t"
+                     "bx r2\n\t"
                      ".ltorg"
                      :
                      : "i"(FAULT_STACK * sizeof(uint64_t)));
