@@ -58,6 +58,24 @@ def is_single(kind: Type) -> bool:
     return isinstance(kind, RealType) and kind.bits == 32
 
 
+def has_real(kind: Type) -> bool:
+    """Whether values of a type have a real."""
+    if isinstance(kind, ArrayType):
+        return has_real(kind.element)
+    if isinstance(kind, StructType):
+        return any(has_real(field) for _, field in kind.fields)
+    return isinstance(kind, RealType)
+
+
+def has_single(kind: Type) -> bool:
+    """Whether values of a type have a real in binary32."""
+    if isinstance(kind, ArrayType):
+        return has_single(kind.element)
+    if isinstance(kind, StructType):
+        return any(has_single(field) for _, field in kind.fields)
+    return is_single(kind)
+
+
 def is_double(kind: Type) -> bool:
     """Whether a type is that of reals in binary64."""
     return isinstance(kind, RealType) and kind.bits == 64

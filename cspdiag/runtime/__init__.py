@@ -10,6 +10,7 @@ from .channels.any_channel import AnyChannel
 from .channels.broadcast import Broadcast
 from .channels.buffers import Buffer, Overwriting
 from .channels.channel import Channel
+from .channels.converting import Converting
 from .channels.ports import In, Out
 from .channels.selector import lower_bits
 from .channels.variable import Constant, Discard, Variable
@@ -74,7 +75,7 @@ from .kernel.scheduler import Task
 from .kernel.timers import begin_delay
 from .network import Network
 from .outcome import Outcome
-from .outside.accepted import array, boolean, double, enumeration, integer, record, single, text
+from .outside.accepted import array, boolean, calculated, double, enumeration, integer, record, single, text
 from .outside.drivers import DevicePort, Driver, Signal
 from .outside.event_inputs import EventInput
 from .outside.external import EventOutput, SampledOutput
@@ -94,6 +95,7 @@ __all__ = [
     "Channel",
     "ChannelMisuse",
     "Constant",
+    "Converting",
     "Deadlock",
     "DeadlockReport",
     "Dedicated",
@@ -143,6 +145,7 @@ __all__ = [
     "atan2",
     "begin_delay",
     "boolean",
+    "calculated",
     "ceil",
     "cos",
     "deadzone",

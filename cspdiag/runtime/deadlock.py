@@ -19,6 +19,7 @@ from typing import Any, TypeAlias
 
 from .channels.any_channel import AnyChannel
 from .channels.broadcast import Broadcast, BroadcastEnd
+from .channels.converting import Converting
 from .channels.ports import In, Out
 from .choice.guards import Output
 from .composition import Branches
@@ -363,6 +364,8 @@ def _collect(
             pending += [(part, sides) for part in value]
         elif isinstance(value, dict):
             pending += [(part, sides) for part in value.values()]
+        elif isinstance(value, Converting):
+            pending.append((value.end, sides))
         elif isinstance(value, In | Out):
             # Only an `any` channel may have several users at one side. At other channels, any user at all is the
             # partner.

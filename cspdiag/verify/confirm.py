@@ -20,6 +20,7 @@ from cspdiag.verify.alarm import ended_by_alarm
 from cspdiag.verify.systems import SystemCache, VerificationError
 
 if TYPE_CHECKING:
+    from cspdiag.model.types import Real
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.counterexamples.counterexample import Counterexample
     from cspdiag.proofs.transitions.classes.distinguished import Distinguished
@@ -33,7 +34,7 @@ Enforced: TypeAlias = Callable[[Limits], AbstractContextManager[object]]
 """Ends what is done inside it with LimitError when the time is up."""
 
 
-def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
+def trace_of(answer: Answer, settings: Mapping[str, str], real: Real = "double") -> str:
     """The text of the file that ``run --replay`` takes; the answer has a counterexample."""
     from cspdiag.proofs.counterexamples.encode import encoded
     from cspdiag.verify.runs.trace import trace_text
@@ -42,7 +43,7 @@ def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
     left_open = list(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
     counterexample = encoded(answer.counterexample)
     question = answer.question
-    return trace_text(counterexample, question.process, question.text, settings, left_open, question.hidden)
+    return trace_text(counterexample, question.process, question.text, settings, left_open, question.hidden, real)
 
 
 def replayed(network: CoreNetwork, trace: Trace, read: pipeline.Reader) -> Replay:

@@ -157,3 +157,19 @@ def test_a_law_is_that_of_numpy(options: dict[str, str | int]) -> None:
     assert passed["y"] == [y for _, y, _ in expected[: len(passed["y"])]]
     assert passed["z"] == [z for _, _, z in expected[: len(passed["z"])]]
     assert len(passed["z"]) >= 199
+
+
+@pytest.mark.parametrize("value", [1e50, -1e50, 1e-50])
+def test_a_setting_that_single_precision_does_not_have_is_refused(value: float) -> None:
+    with pytest.raises(cspdiag.ProgramError) as refused:
+        cspdiag.parse(LAW, "law.csp", real="float32").run(until=0.001, set={"law.k": value})
+    (found,) = refused.value.diagnostics
+    assert (found.code, found.span.line) == ("E0908", 5)
+    assert f"{value!r} is too {'large' if abs(value) > 1 else 'small'}" in found.message
+
+
+def test_an_argument_is_reported_once_with_those_that_follow_from_it() -> None:
+    text = LAW.replace("process Main {", "process Main(k: double = 1) {").replace("tau = 7 ms", "tau = 7 ms, k = k * 2")
+    with pytest.raises(cspdiag.ProgramError) as refused:
+        cspdiag.parse(text, "law.csp", real="float32").run(until=0.001, set={"Main.k": 3e50})
+    assert [(found.code, found.span.line) for found in refused.value.diagnostics] == [("E0908", 21)]

@@ -60,9 +60,8 @@ def _network(arguments: Namespace, trace: Trace) -> CoreNetwork | None:
     try:
         own = split_settings(arguments.settings)
         settings = {**trace.settings, **own}
-        built = build(
-            read_source(arguments.file), read_source, top=trace.process, settings=settings, real=arguments.real
-        )
+        real = arguments.real or trace.real
+        built = build(read_source(arguments.file), read_source, top=trace.process, settings=settings, real=real)
     except (SettingError, SelectionError) as problem:
         kept = [f"{name}={value}" for name, value in trace.settings.items() if name not in own]
         source = f" ({arguments.replay} has the settings {', '.join(kept)})" if own and kept else ""
@@ -103,6 +102,8 @@ def _other_settings(arguments: Namespace, trace: Trace, result: Replay) -> Itera
 
     if result.divergence is None:
         return
+    if arguments.real not in (None, trace.real):
+        yield f"  --real is {arguments.real}; the trace was made with {trace.real}"
     for name, value in split_settings(arguments.settings).items():
         made = trace.settings.get(name)
         if made is None:

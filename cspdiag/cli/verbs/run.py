@@ -49,6 +49,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         ),
     )  # fmt: skip
     add_real(parser)
+    parser.set_defaults(real=None)  # A trace that is replayed has its own.
     parser.add_argument(
         "--target",
         choices=("python", "c", "auto"),
@@ -191,7 +192,7 @@ def _built(arguments: Namespace) -> Built:
         environment=arguments.environment,
         settings=settings,
         alone=True,
-        real=arguments.real,
+        real=arguments.real or "double",
     )
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
     return built

@@ -187,7 +187,7 @@ def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
     if refuted is None:
         say(f"cspdiag: nothing was refuted, so {on_one_line(arguments.trace_out)} was not written")
     else:
-        replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments)))
+        replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments), arguments.real))
         _report_written(arguments, arguments.trace_out)
 
 

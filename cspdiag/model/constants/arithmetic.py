@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Sequence
+from decimal import Decimal
 from typing import assert_never
 
 from cspdiag.model.constants.durations import in_seconds
@@ -64,9 +65,20 @@ def checked(value: float, type_: Type) -> int | float:
 
 def _shown(value: float, type_: IntType | TimeType) -> str:
     """A number that is out of range."""
-    if abs(value) >= 10**40:
-        return f"about {float(str(value)[:20]):.3g}e…"
-    return in_seconds(int(value)) if isinstance(type_, TimeType) else str(value)
+    if abs(value) < 10**40:
+        return in_seconds(int(value)) if isinstance(type_, TimeType) else str(value)
+    exact = Decimal(value)
+    if exact.is_infinite():
+        return "infinite"
+    if not isinstance(type_, TimeType):
+        return f"about {_rounded(exact)}"
+    return f"about {_rounded(exact.scaleb(-9))} s"
+
+
+def _rounded(value: Decimal) -> str:
+    """Three digits of a large number: ``2e+60``."""
+    digits, _, exponent = f"{value:.2e}".partition("e")
+    return f"{digits.rstrip('0').rstrip('.')}e{exponent}"
 
 
 def single(value: float) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import assert_never
 
 from cspdiag.base.record import replaced
-from cspdiag.model.types import RealType
+from cspdiag.model.types import INT, ArrayType, RealType, StructType, has_real
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expression_walk import operands, walk
@@ -50,8 +50,8 @@ def assured_law(
 ) -> tuple[tuple[SubmodelEquation | ExternalCall, ...], dict[str, Expression]]:
     """The equations of a law, in the order of their evaluation, and the next values of its states, with their tests.
 
-    Outputs, states, and inputs of code in other languages are tested, local values only as parts of these. ``unsure``
-    are signals from elsewhere that may be infinite or NaN.
+    Outputs, states, and inputs of code in other languages are tested, local values and what that code returns only as
+    parts of these. ``unsure`` are signals from elsewhere that may be infinite or NaN.
     """
     results = frozenset(outputs)
     untested: set[str] = set(unsure)
@@ -60,6 +60,7 @@ def assured_law(
         if isinstance(item, ExternalCall):
             given = tuple((port, _stored(within_domains(value), untested)) for port, value in item.inputs)
             made.append(replaced(item, inputs=given))
+            untested.update(name for _, name, kind in item.outputs if has_real(kind))
             continue
         value = within_domains(item.value)
         if item.name in results:
@@ -109,9 +110,26 @@ def _stored(expression: Expression, untested: set[str] | frozenset[str]) -> Expr
     match expression:
         case StructValue(values=values) | ArrayElements(values=values):
             return replaced(expression, values=tuple(_stored(value, untested) for value in values))
+        case SignalValue(name=name) if name in untested and not isinstance(expression.type, RealType):
+            return _tested_parts(expression)
         case ConditionalValue(then=then, otherwise=otherwise) if not isinstance(expression.type, RealType):
             return replaced(expression, then=_stored(then, untested), otherwise=_stored(otherwise, untested))
     return _tested(expression) if _may_be_none(expression, untested) else expression
+
+
+def _tested_parts(expression: Expression) -> Expression:
+    """A value from elsewhere, with a test of each real in it."""
+    kind = expression.type
+    if isinstance(kind, RealType):
+        return _tested(expression)
+    if isinstance(kind, ArrayType) and has_real(kind):
+        places = (LiteralValue(type=INT, value=place) for place in range(kind.size or 0))
+        elements = (ElementValue(type=kind.element, operand=expression, index=place) for place in places)
+        return ArrayElements(type=kind, values=tuple(map(_tested_parts, elements)), span=expression.span)
+    if isinstance(kind, StructType) and has_real(kind):
+        fields = (FieldValue(type=field, operand=expression, field=name) for name, field in kind.fields)
+        return StructValue(type=kind, values=tuple(map(_tested_parts, fields)), span=expression.span)
+    return expression
 
 
 def _may_be_none(expression: Expression, untested: set[str] | frozenset[str]) -> bool:
@@ -121,6 +139,8 @@ def _may_be_none(expression: Expression, untested: set[str] | frozenset[str]) ->
     match expression:
         case SignalValue(name=name):
             return name in untested
+        case FieldValue(operand=operand) | ElementValue(operand=operand):
+            return _is_part_of_any(operand, untested)
         case BinaryOperation():
             return True
         case ConditionalValue(then=then, otherwise=otherwise):
@@ -134,8 +154,15 @@ def _may_be_none(expression: Expression, untested: set[str] | frozenset[str]) ->
             return narrowed or _may_be_none(operand, untested)
         case (
             LiteralValue() | ParameterValue() | VariableValue() | PresentTime() | UnaryOperation() | FunctionCall()
-            | FieldValue() | ElementValue() | StructValue() | ArrayElements()
+            | StructValue() | ArrayElements()
         ):  # fmt: skip
             return any(_may_be_none(part, untested) for part in operands(expression))
         case _:
             assert_never(expression)
+
+
+def _is_part_of_any(whole: Expression, untested: set[str] | frozenset[str]) -> bool:
+    """Whether an array or a struct is one of ``untested`` or a part of it."""
+    while isinstance(whole, FieldValue | ElementValue):
+        whole = whole.operand
+    return isinstance(whole, SignalValue) and whole.name in untested

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import count
 from typing import Any, TypeAlias, assert_never
 
+from ..channels.converting import Converting
 from ..channels.ports import AnyIn, AnyOut
 from ..channels.selector import Selector, raise_bits
 from ..channels.variable import Constant, Discard, Variable
@@ -52,11 +53,17 @@ class Input:
 class Output:
     """Writes the value that ``select`` was given for this guard, or else ``value``."""
 
-    __slots__ = ("end", "value")
+    __slots__ = ("converted", "end", "value")
 
     def __init__(self, end: AnyOut, value: Any = None) -> None:
-        self.end = end
+        self.end = end.end if isinstance(end, Converting) else end
+        self.converted: Callable[[Any], Any] | None = end.converted if isinstance(end, Converting) else None
         self.value = value
+
+    def value_among(self, values: Mapping[int, Any], index: int) -> Any:
+        """What it writes as guard ``index``, if ``select`` was given ``values``."""
+        value = values.get(index, self.value)
+        return value if self.converted is None else self.converted(value)
 
     def __str__(self) -> str:
         return f"{self.end.name} !"
@@ -111,7 +118,7 @@ def option_of(guard: Guard, index: int, values: Mapping[int, Any], delays: Mappi
         case Ready(end=end):
             return Option("ready", end.name, index)
         case Output(end=end):
-            return Option("write", end.name, index, value=values.get(index, guard.value))
+            return Option("write", end.name, index, value=guard.value_among(values, index))
         case After():
             return Option("after", index=index, duration=delays.get(index, guard.duration))
 
@@ -314,7 +321,7 @@ class Choice:
         if isinstance(guard, Output):
             task = present().current
             task.waiting = guard.end
-            return guard.end.choose_output(task, values.get(index, guard.value))
+            return guard.end.choose_output(task, guard.value_among(values, index))
         communicate = self._communicate[index]
         if communicate is not None:
             self.value = communicate()
@@ -324,7 +331,7 @@ class Choice:
         """The value of an output guard, for the other side."""
         guard = self.guards[index]
         assert isinstance(guard, Output)
-        return self._values.get(index, guard.value)
+        return guard.value_among(self._values, index)
 
     def only_promises(self, index: int) -> bool:
         """Whether choosing the guard leaves the communication to the guarded process."""

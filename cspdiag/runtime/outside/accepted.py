@@ -10,9 +10,11 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable
 from enum import IntEnum
+from math import isinf
 from typing import Any, TypeAlias, TypeVar
 
-from ..compiled.arithmetic import float32
+from ..compiled.arithmetic import finite, float32
+from ..kernel.exceptions import Fault
 
 Enumerator = TypeVar("Enumerator", bound=IntEnum)
 
@@ -30,8 +32,27 @@ def double(value: Any) -> float:
 
 
 def single(value: Any) -> float:
-    """A number, rounded to 32 bits."""
-    return float32(double(value))
+    """A number, rounded to 32 bits; NaN and infinities are numbers. Raises Fault for one that is too large."""
+    number = double(value)
+    rounded = float32(number)
+    if isinf(rounded) and not isinf(number):
+        raise Fault(f"{number!r} is too large for single precision")
+    return rounded
+
+
+def calculated(value: Any, accept: Accept) -> Any:
+    """What a hand-written law has calculated, as a value of its output. Raises Fault for a NaN or an infinity in it."""
+    taken = accept(value)
+    _require_finite(taken)
+    return taken
+
+
+def _require_finite(value: Any) -> None:
+    if isinstance(value, float):
+        finite(value)
+    elif isinstance(value, tuple):
+        for part in value:
+            _require_finite(part)
 
 
 def boolean(value: Any) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from posixpath import dirname
 from typing import TYPE_CHECKING
 
 from cspdiag.network.ir.network import CoreNetwork
@@ -26,11 +27,12 @@ def deadlock_report(
     from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess, find_cycle
 
     state = _Standstill(waiting, network, recorder)
+    definitions = _definitions(network)
     partners = [state.partners(index) for index in range(len(waiting))]
     processes = tuple(
         WaitingProcess(
             path=record.path,
-            source=record.source or None,
+            source=definitions.get(record.path),
             place=record.place or None,
             waits=record.waits,
             channels=record.channels,
@@ -40,6 +42,17 @@ def deadlock_report(
         for index, record in enumerate(waiting)
     )
     return DeadlockReport(now, processes, tuple(processes[index] for index in find_cycle(partners)))
+
+
+def _definitions(network: CoreNetwork) -> dict[str, str]:
+    """The line at which each process and control law is defined, by path."""
+    folder = dirname(network.source)
+    spans = {entry.name: entry.span for entry in network.classes}
+    found: dict[str, str] = {}
+    for item in network.instances:
+        span = spans[item.class_name]
+        found[item.path] = f"{span.file.removeprefix(f'{folder}/') if folder else span.file}:{span.line}"
+    return found
 
 
 class _Standstill:

@@ -33,7 +33,6 @@ class WaitingRecord:
     """
 
     path: str
-    source: str
     place: str
     waits: str
     channels: tuple[str, ...] = ()

@@ -153,10 +153,10 @@ class StreamReader:
                 if self.passed is not None:
                     self.passed.processes[number] = self._texts[0]
             case Kind.WAITING:
-                _, source, place, words = self._texts
+                _, _, place, words = self._texts
                 # The path of the control law, if the process runs one.
                 path, _, waits = words.removesuffix(f" ({place})").partition(" waits ")
-                self.waiting.append(WaitingRecord(path, source, place, waits))
+                self.waiting.append(WaitingRecord(path, place, waits))
             case Kind.END_OF_RUN:
                 self.now = time
                 (duration,) = _DURATION.unpack(value.to_bytes(8, sys.byteorder))

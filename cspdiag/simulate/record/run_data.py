@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort
+from cspdiag.simulate.record.classes import in_classes
 from cspdiag.simulate.record.history import NOTHING, History, Passed
 from cspdiag.simulate.record.recorder import Activity, Communication, ExecutionTime, Recorder
 
@@ -60,8 +61,15 @@ class RunData:
 
     @cached_property
     def communications(self) -> Sequence[Communication]:
-        """All communications in order."""
-        return [Communication._make(passed) for passed in self._passed.communications]
+        """All communications in order. Values of enums and structs are members of classes with their names."""
+        converters = {path: in_classes(kind) for path, kind in self.types.items()}
+        found = map(Communication._make, self._passed.communications)
+        if not any(converters.values()):
+            return list(found)
+        return [
+            each if (convert := converters.get(each.channel)) is None else each._replace(value=convert(each.value))
+            for each in found
+        ]
 
     @cached_property
     def types(self) -> Mapping[str, Type]:

@@ -110,7 +110,6 @@ def simulate(
 def _record(process: WaitingProcess) -> WaitingRecord:
     return WaitingRecord(
         path=process.path,
-        source=process.source or "",
         place=process.place or "",
         waits=process.waits,
         channels=process.channels,

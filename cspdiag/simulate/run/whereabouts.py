@@ -63,7 +63,6 @@ class Whereabouts:
         place = "" if found.span is None else self._line(found.span)
         return WaitingRecord(
             path=found.path,
-            source="",
             place=place,
             waits=" or ".join(dict.fromkeys(words)),
             channels=tuple(offer.medium.name for offer in offers),

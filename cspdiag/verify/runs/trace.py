@@ -9,6 +9,7 @@ from typing import Any
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.files.json_text import read_json
 from cspdiag.base.record import record
+from cspdiag.model.types import REALS, Real
 from cspdiag.proofs.counterexamples.counterexample import is_shown
 
 FORMAT = "cspdiag trace 1"
@@ -45,7 +46,7 @@ class TraceStep:
 
 @record
 class Trace:
-    """A counterexample of ``process``, compiled with ``settings``.
+    """A counterexample of ``process``, compiled with ``settings`` in the precision ``real``.
 
     ``stuck`` are the processes that never continue after it, each with the channels at which it waits. ``exact``: the
     proof left nothing open, so what was done once can be repeated.
@@ -65,6 +66,7 @@ class Trace:
     """The names of the processes in ``stuck``, in the same order."""
     rounds: bool = False
     """Whether it has rounds of loops whose end the proof left open."""
+    real: Real = "double"
 
     def shown_before(self, number: int) -> int:
         """How many of its first ``number`` steps, including those of its cycle, are in the table."""
@@ -99,6 +101,7 @@ def trace_text(
     settings: Mapping[str, str],
     left_open: Sequence[str],
     hidden: Sequence[str] = (),
+    real: Real = "double",
 ) -> str:
     """The file of a counterexample (see ``analyses.counterexamples.encode``).
 
@@ -109,6 +112,7 @@ def trace_text(
         "process": process,
         "assertion": assertion,
         "settings": dict(settings),
+        "real": real,
         "left_open": list(left_open),
         "hidden": list(hidden),
         **counterexample,
@@ -128,6 +132,7 @@ def read_trace(text: str) -> Trace:
         return Trace(
             process=_text(whole["process"]),
             settings={_text(name): _text(value) for name, value in whole["settings"].items()},
+            real=_real(whole.get("real", "double")),
             assertion=_text(whole["assertion"]),
             failure=_failure(_text(whole["failure"]), repeats=bool(whole["cycle"])),
             steps=tuple(step for entry in whole["steps"] for step in _steps(entry, whole["process"])),
@@ -162,6 +167,13 @@ def _step(entry: Mapping[str, Any], process: str) -> TraceStep:
         value=None if value is None else _text(value),
         parties=tuple((_whole(party["process"], process), _text(party["path"])) for party in entry["parties"]),
     )
+
+
+def _real(value: object) -> Real:
+    for real in REALS:
+        if value == real:
+            return real
+    raise TypeError(f"`real` is {' or '.join(REALS)}, not {value!r}")
 
 
 def _text(value: object) -> str:

@@ -271,6 +271,38 @@ def test_the_trace_is_replayed_by_run(cspdiag: Command, refuted: Path, proved: P
     assert cspdiag("run", proved, "--replay", trace, "--quiet") == (1, "", "")
 
 
+ONE_MORE = """
+process Main {
+  out y : bool
+
+  communication {
+    var x : double = 16777216
+  }
+
+  composition {
+    mu (if x + 1 > x then y ! true else stop)
+  }
+}
+
+assert Main deadlock free
+"""
+
+
+def test_a_trace_is_replayed_in_the_precision_that_it_was_made_with(cspdiag: Command, tmp_path: Path) -> None:
+    program, trace = tmp_path / "one_more.csp", tmp_path / "trace.json"
+    program.write_text(ONE_MORE)
+    assert cspdiag("verify", program).code == 0
+    assert cspdiag("verify", program, "--real", "float32", "--trace-out", trace).code == 1
+    assert cspdiag("run", program, "--replay", trace).code == 0
+    other = cspdiag("run", program, "--replay", trace, "--real", "double")
+    assert other.code == 1
+    assert other.err.endswith("  --real is double; the trace was made with float32\n")
+    trace.write_text(trace.read_text().replace('"real": "float32"', '"real": "float16"'))
+    refused = cspdiag("run", program, "--replay", trace)
+    assert refused.code == 2
+    assert "an incomplete trace (TypeError: `real` is double or float32, not 'float16')" in refused.err
+
+
 TABLE = """
 const table : int[2] = [1, 1]
 process A(n: int = 0) {

@@ -80,6 +80,8 @@ def test_a_value_is_made_one_of_the_type(accepts: Any, given: Any, value: Any) -
         (double, True, TypeError),
         (double, numpy.True_, TypeError),
         (single, False, TypeError),
+        (single, 1e39, Fault),
+        (single, -1e39, Fault),
         (double, [1.0], TypeError),
         (double, 10**400, OverflowError),
         (boolean, 2, TypeError),

@@ -372,7 +372,7 @@ class EnvironmentWriter:
         statements += [assign(self.names[name], own(self.names[name])) for name in states]
         for equation in equations:
             if isinstance(equation, ExternalCall):
-                statements.append(external_call(equation, self.names, printer, self.modules, time=Name("time")))
+                statements.extend(external_call(equation, self.names, printer, self.modules, time=Name("time")))
                 statements += [
                     assign(own(self.names[local]), Name(self.names[local]))
                     for _, local, _ in equation.outputs

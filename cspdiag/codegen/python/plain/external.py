@@ -5,18 +5,20 @@ from __future__ import annotations
 import ast
 import posixpath
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.text.code import Argument, Call, Code, Name, own
+from cspdiag.codegen.python.text.code import Argument, Call, Code, Comprehension, Name, call, own
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import Names, identifier
-from cspdiag.codegen.python.text.statements import Statement, unpack
+from cspdiag.codegen.python.text.statements import Statement, assign, unpack
+from cspdiag.codegen.python.text.types import accepted
 from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.model.types import Type, has_single
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
 from cspdiag.network.ir.external import external_bodies
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import Network, Port
 
 
 @record
@@ -87,14 +89,38 @@ class ExternalModules:
 
 
 def external_call(
-    call: ExternalCall, names: Names, printer: Printer, modules: ExternalModules, *, time: Code | None
-) -> Statement:
-    """``encoder = self.pan.calculate(voltage=...)``."""
-    arguments = [Argument(printer.print(value), identifier(port)) for port, value in call.inputs]
-    if time is not None and modules.describe(call.external).takes_time:
+    item: ExternalCall, names: Names, printer: Printer, modules: ExternalModules, *, time: Code | None
+) -> Iterator[Statement]:
+    """``encoder = double(self.pan.calculate(voltage=...))``."""
+    arguments = [Argument(printer.print(value), identifier(port)) for port, value in item.inputs]
+    if time is not None and modules.describe(item.external).takes_time:
         arguments.append(Argument(time, "time"))
-    evaluated = Call(own(names[call.name]).field("calculate"), tuple(arguments))
-    return unpack([Name(names[local]) for _, local, _ in call.outputs], evaluated)
+    evaluated = Call(own(names[item.name]).field("calculate"), tuple(arguments))
+    yield from taken([(Name(names[local]), type_) for _, local, type_ in item.outputs], evaluated, printer.imports)
+
+
+def taken(
+    outputs: Sequence[tuple[Code, Type]], evaluated: Code, imports: Imports, place: str | None = None
+) -> Iterator[Statement]:
+    """The outputs of a hand-written law, as values of their types."""
+    targets = [target for target, _ in outputs]
+    if len(outputs) == 1:
+        ((target, type_),) = outputs
+        yield assign(target, call(accepted(type_, imports), evaluated), place)
+        return
+    yield unpack(targets, evaluated, place)
+    for target, type_ in outputs:
+        yield assign(target, call(accepted(type_, imports), target))
+
+
+def converting(port: Port, end: Code, imports: Imports) -> Code:
+    """The end of a hand-written process for a port: what it writes to an output in single precision is rounded."""
+    if port.direction == "in" or not has_single(port.type):
+        return end
+    class_, accept = Name(imports.runtime("Converting")), accepted(port.type, imports)
+    return (
+        call(class_, end, accept) if port.size is None else Comprehension(call(class_, Name("end"), accept), "end", end)
+    )
 
 
 def bodies(network: Network) -> tuple[ExternalBody, ...]:

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import assert_never
 
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.plain.external import ExternalModules, converting
 from cspdiag.codegen.python.plain.members import Members
 from cspdiag.codegen.python.plain.submodels import signal_names
 from cspdiag.codegen.python.text.code import Argument, Call, Code, Element, Formatted, Name, WholeNumber, call
@@ -59,6 +59,8 @@ class Instances:
         for port in class_.ports:
             attached = [c for c in instance.connections if c.port == port.name]
             value = self._attached(port, attached, isinstance(class_, SubmodelClass))
+            if isinstance(class_, ProcessClass) and class_.external is not None:
+                value = converting(port, value, self.imports)
             arguments.append(Argument(value, keywords[port.name]))
         if isinstance(class_, ProcessClass) and class_.external is not None:
             return Call(Name(self.modules.imported(class_.external, self.imports)), tuple(arguments))

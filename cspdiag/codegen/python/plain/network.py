@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cspdiag.base.record import record
-from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.plain.external import ExternalModules, converting
 from cspdiag.codegen.python.plain.instances import keywords_of
 from cspdiag.codegen.python.text.code import TRUE, Argument, Call, Code, Constant, Items, Name, tuple_of, typed
 from cspdiag.codegen.python.text.imports import Imports
@@ -35,6 +35,7 @@ def network_view(network: Network, names: PackageNames, modules: ExternalModules
     statements: list[Statement] = [
         assign(by_port[port.key], _port(port, network, imports)) for port in network.external_ports
     ]
+    by_hand = top.external if isinstance(top, ProcessClass) else None
     keywords = keywords_of(top)
     arguments = [Argument(Constant(quoted(network.top)))]
     types = {parameter.name: parameter.type for parameter in top.parameters}
@@ -42,8 +43,9 @@ def network_view(network: Network, names: PackageNames, modules: ExternalModules
     for port in top.ports:
         own = [Name(by_port[e.key]) for e in network.external_ports if _belongs(e, port.name)]
         value: Code = own[0] if port.size is None else Items("[]", tuple(own))
+        if by_hand is not None:
+            value = converting(port, value, imports)
         arguments.append(Argument(value, keywords[port.name]))
-    by_hand = top.external if isinstance(top, ProcessClass) else None
     class_ = modules.imported(by_hand, imports) if by_hand is not None else imports.class_(network.top)
     made = Call(Name(class_), tuple(arguments))
     ends = tuple_of(Name(name) for name in by_port.values())

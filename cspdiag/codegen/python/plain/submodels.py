@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.expressions import Printer
@@ -27,7 +27,7 @@ from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
 from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, identifier
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, return_, run, unpack
-from cspdiag.codegen.python.text.types import annotation, duration
+from cspdiag.codegen.python.text.types import accepted, annotation, duration
 from cspdiag.codegen.shared.equations import (
     Equation,
     changes,
@@ -230,7 +230,7 @@ class _SubmodelWriter:
         printer = self._printer(local=local)
 
         statements: list[Statement] = [assign(self.names[name], own(self.names[name])) for name in hoisted]
-        statements += [self._equation(equation, printer) for equation in equations]
+        statements += [statement for equation in equations for statement in self._equation(equation, printer)]
         if class_.derivatives:
             statements += self._integrate()
         states = changes(class_)
@@ -250,10 +250,11 @@ class _SubmodelWriter:
         returned = _return_annotation([types[name] for name in results])
         return Function("calculate", ("self", *parameters_), tuple(statements), returned)
 
-    def _equation(self, equation: Equation, printer: Printer) -> Statement:
+    def _equation(self, equation: Equation, printer: Printer) -> Iterator[Statement]:
         if isinstance(equation, ExternalCall):
-            return external_call(equation, self.names, printer, self.modules, time=None)
-        return assign(self.names[equation.name], printer.print(equation.value), self._place(equation))
+            yield from external_call(equation, self.names, printer, self.modules, time=None)
+        else:
+            yield assign(self.names[equation.name], printer.print(equation.value), self._place(equation))
 
     def _hoisted(self, expressions: Sequence[object]) -> list[str]:
         """Attributes that are read several times, or after they have changed, and so are first copied to local
@@ -324,10 +325,19 @@ class _BodyWriter(_SubmodelWriter):
         results = outputs(self.class_)
         if not results:
             return self._calculation([run(calculated)])
-        types = self._annotations()
-        returned = _return_annotation([types[name] for name in results])
-        target = Name(self.names[results[0]] if len(results) == 1 else "calculated")
-        return self._calculation([Assign(target, calculated, self.place, annotation=returned), return_(target)])
+        annotations = self._annotations()
+        names = [Name(self.names[name]) for name in results]
+        if len(results) == 1:
+            made = self._taken(calculated, results[0])
+            return self._calculation(
+                [Assign(names[0], made, self.place, annotation=annotations[results[0]]), return_(names[0])]
+            )
+        taken = [self._taken(name, result) for name, result in zip(names, results, strict=True)]
+        return self._calculation([unpack(names, calculated, self.place), return_(*taken)])
+
+    def _taken(self, value: Code, output: str) -> Code:
+        """What the body has calculated, as a value of an output."""
+        return call(self.imports.runtime("calculated"), value, accepted(self.types[output], self.imports))
 
 
 def _return_annotation(types: Sequence[str]) -> str:

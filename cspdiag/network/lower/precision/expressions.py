@@ -13,9 +13,10 @@ from typing import TypeAlias, TypeVar, assert_never
 from cspdiag.base import Report, Span
 from cspdiag.base.record import replaced
 from cspdiag.model.constants.arithmetic import single
-from cspdiag.model.types import INT, ArrayType, RealType, StructType, Type
+from cspdiag.model.types import INT, ArrayType, IntType, RealType, StructType, Type
 from cspdiag.network.diagnostics.precision import NotInSinglePrecision, RoundedWhole
 from cspdiag.network.ir.everywhere import rewritten
+from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -69,6 +70,8 @@ class Precision:
             return rounded(part, narrow)  # type: ignore[return-value]
         if isinstance(part, Conversion) and part.operand.type == narrow:
             return part.operand  # type: ignore[return-value]
+        if isinstance(part, Conversion) and isinstance(part.operand, LiteralValue) and part.span is not None:
+            self.check(narrow, part.operand.value, part.span)
         return part if narrow == kind else replaced(part, type=narrow)
 
     def literal(self, literal: LiteralValue) -> LiteralValue:
@@ -80,26 +83,36 @@ class Precision:
             self.check(literal.type, literal.value, literal.span)
         return replaced(literal, type=kind, value=rounded_to(kind, literal.value))
 
-    def check(self, kind: Type, value: Value, span: Span) -> None:
-        """Report numbers of the text that are too large or too small, or whole with too many digits."""
+    def check(self, kind: Type, value: Value, span: Span) -> bool:
+        """Report numbers that are too large or too small, or whole with too many digits; whether there were none."""
+        is_fine = self.check_size(kind, value, span)
         for number in _reals(kind, value):
             near = single(number)
             if near not in (number, 0) and number.is_integer() and abs(number) <= EXACT_IN_DOUBLE:
                 self._once(RoundedWhole(span, int(number), int(near)))
-        self.check_size(kind, value, span)
+                is_fine = False
+        return is_fine
 
-    def check_size(self, kind: Type, value: Value, span: Span) -> None:
-        """Report numbers that are too large or too small."""
+    def check_size(self, kind: Type, value: Value, span: Span) -> bool:
+        """Report numbers that are too large or too small; whether there were none."""
+        is_fine = True
         for number in _reals(kind, value):
             near = single(number)
             if math.isfinite(number) and (math.isinf(near) or near == 0 != number):
                 self._once(NotInSinglePrecision(span, repr(number), is_large=abs(number) > 1))
+                is_fine = False
+        return is_fine
 
     def _once(self, found: NotInSinglePrecision | RoundedWhole) -> None:
         key = (found.span, found.message)
         if key not in self._reported:
             self._reported.add(key)
             self._report.add(found)
+
+
+def converts_whole_numbers(expression: Expression) -> bool:
+    """Whether whole numbers become real in an expression, so that its value may be one that was meant exactly."""
+    return any(isinstance(part, Conversion) and isinstance(part.operand.type, IntType) for part in walk(expression))
 
 
 def _reals(kind: Type, value: Value) -> Iterator[float]:

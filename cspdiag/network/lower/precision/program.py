@@ -17,7 +17,7 @@ from cspdiag.network.diagnostics.precision import ChangedArgument
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.actions import CoreAction
 from cspdiag.network.ir.equations import ExternalCall, LinearBlock, SubmodelEquation
-from cspdiag.network.ir.expressions import Expression, LiteralValue, SignalValue, Value, VariableValue
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, Value, VariableValue
 from cspdiag.network.ir.network import (
     ClassParameter,
     CoreNetwork,
@@ -33,6 +33,7 @@ from cspdiag.network.lower.precision.expressions import (
     Named,
     Outside,
     Precision,
+    converts_whole_numbers,
     known_by_name,
     rounded,
     rounded_and_tested,
@@ -189,6 +190,8 @@ class _Instances:
             for instance in entry.instances
         }
         self._computed: set[tuple[str, tuple[tuple[str, Value], ...]]] = set()
+        self._reported: set[tuple[str, str]] = set()
+        """Parameters, by the path of their instance, whose values were reported."""
 
     def found(self) -> tuple[Instantiation, ...]:
         """All instances, with the values of their parameters."""
@@ -196,6 +199,7 @@ class _Instances:
 
     def _instance(self, item: Instantiation) -> Instantiation:
         parameters = {entry.name: entry for entry in self._classes[item.class_name].parameters}
+        before = dict(item.arguments)
         values = dict(_arguments(item.arguments, parameters.values()))
         outer, _, name = item.path.rpartition(".")
         if outer:
@@ -203,16 +207,28 @@ class _Instances:
             for parameter, expression in self._given[around, name]:
                 place = expression.span or parameters[parameter].span
                 value = constant_value(expression, known_by_name(known))
-                before = dict(item.arguments)[parameter]
-                if value is None:
-                    self._precision.check_size(parameters[parameter].type, before, place)
-                elif _differs(parameters[parameter].type, value, values[parameter]):
-                    self._report.add(ChangedArgument(place, parameter, str(before), str(value)))
-                else:
+                self._check(item.path, parameters[parameter], before[parameter], place, expression)
+                if value is not None and _differs(parameters[parameter].type, value, values[parameter]):
+                    self._report.add(ChangedArgument(place, parameter, str(before[parameter]), str(value)))
+                elif value is not None:
                     values[parameter] = value
+        else:
+            for parameter, given in item.arguments:
+                self._check(item.path, parameters[parameter], given, parameters[parameter].span, None)
         self._values[item.path] = item.class_name, values
-        self._compute(item, values, dict(item.arguments))
+        self._compute(item, values, before)
         return replaced(item, arguments=tuple(values.items()))
+
+    def _check(
+        self, path: str, parameter: ClassParameter, value: Value, place: Span, expression: Expression | None
+    ) -> None:
+        """Report an argument that single precision does not have, unless it follows from one that was reported."""
+        around = path.rpartition(".")[0]
+        used = {part.name for part in parts(expression) if isinstance(part, ParameterValue)}
+        is_exact = expression is None or isinstance(expression, LiteralValue) or converts_whole_numbers(expression)
+        check = self._precision.check if is_exact else self._precision.check_size
+        if any((around, name) in self._reported for name in used) or not check(parameter.type, value, place):
+            self._reported.add((path, parameter.name))
 
     def _compute(self, item: Instantiation, values: Mapping[str, Value], before: Mapping[str, Value]) -> None:
         """Compute what a class computes once, and report numbers that are too large or too small."""
@@ -221,12 +237,18 @@ class _Instances:
             return
         self._computed.add(key)
         known = {**before}
+        doubtful = {name for path, name in self._reported if path == item.path}
         for old in _initials(self._network.class_named(item.class_name)):
             value = constant_value(old.value, known_by_name(known))
             if value is not None:
                 known[old.name] = value
-                if not isinstance(old.value, LiteralValue):
-                    self._precision.check_size(old.type, value, old.span)
+                named = {part.name for part in parts(old.value) if isinstance(part, ParameterValue | SignalValue)}
+                if named & doubtful:
+                    doubtful.add(old.name)
+                elif not isinstance(old.value, LiteralValue):
+                    is_exact = converts_whole_numbers(old.value)
+                    check = self._precision.check if is_exact else self._precision.check_size
+                    check(old.type, value, old.span)
 
 
 def _initials(entry: CoreClass) -> Iterable[SubmodelEquation]:

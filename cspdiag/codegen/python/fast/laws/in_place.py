@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 from math import ceil
@@ -11,7 +11,7 @@ from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import NANOSECONDS, FastPrinter
 from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, is_test, refused_unless_all_finite
-from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.plain.external import ExternalModules, taken
 from cspdiag.codegen.python.text.code import (
     PRODUCT,
     Argument,
@@ -25,7 +25,7 @@ from cspdiag.codegen.python.text.code import (
     infix,
 )
 from cspdiag.codegen.python.text.names import Names, identifier
-from cspdiag.codegen.python.text.statements import For, Statement, assign, unpack
+from cspdiag.codegen.python.text.statements import For, Statement, assign
 from cspdiag.codegen.python.text.types import real
 from cspdiag.codegen.shared.equations import changes, defined, read_after_change
 from cspdiag.network.ir.actions import RunLaw
@@ -101,7 +101,7 @@ class InlineLaw:
             if isinstance(equation, ExternalCall):
                 yield from refused_unless_all_finite(untested, self.printer.imports)
                 untested = []
-                yield self._called(equation)
+                yield from self._called(equation)
                 continue
             target, value, place = self.printer.signal(equation.name), equation.value, self.place(equation)
             is_tested = is_test(value)
@@ -119,11 +119,11 @@ class InlineLaw:
         equations = [item for item in self.law.equations if isinstance(item, SubmodelEquation)]
         return [self.printer.signal(item.name) for item in equations if is_test(item.value)]
 
-    def _called(self, item: ExternalCall) -> Statement:
+    def _called(self, item: ExternalCall) -> Iterator[Statement]:
         given = tuple(Argument(self.printer.print(value), identifier(port)) for port, value in item.inputs)
         calculated = Call(self.printer.signal(item.name).field("calculate"), given)
-        targets = [self.printer.signal(local) for _, local, _ in item.outputs]
-        return unpack(targets, calculated, self.place(item))
+        outputs = [(self.printer.signal(local), type_) for _, local, type_ in item.outputs]
+        return taken(outputs, calculated, self.printer.imports, self.place(item))
 
     @cached_property
     def _changes(self) -> dict[str, SubmodelState]:
