@@ -206,3 +206,16 @@ def test_the_superloop_from_an_empty_folder(tmp_path: Path) -> None:
         "output 1 is safe",
         "ended by itself at 20.00 s",
     ]
+
+
+def test_a_library_is_of_the_processor_for_which_it_was_made_last(tmp_path: Path) -> None:
+    need("cc", "make", "objcopy", "arm-none-eabi-gcc", "arm-none-eabi-readelf")
+    package(tmp_path, "tests/c_kernel/devices/counter.csp", 0)
+    cross = ("CROSS_COMPILE=arm-none-eabi-", "CFLAGS=-Os -mcpu=cortex-m3 -mthumb")
+    for options in ((), cross, ()):
+        for goal in ("libcounter.a", "counter.o"):
+            run("make", "-s", "-C", tmp_path, *options, goal)
+            header = run("arm-none-eabi-readelf", "-h", tmp_path / goal)
+            machines = {line.split()[-1] for line in header.splitlines() if line.strip().startswith("Machine:")}
+            assert len(machines) == 1
+            assert ("ARM" in machines) == bool(options)

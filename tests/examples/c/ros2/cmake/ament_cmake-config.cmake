@@ -1,0 +1,4 @@
+function(ament_target_dependencies)
+endfunction()
+function(ament_package)
+endfunction()

@@ -1,0 +1,1 @@
+include_directories(${CMAKE_CURRENT_LIST_DIR}/../include)

@@ -1,0 +1,175 @@
+// What the example uses of rclcpp, as it declares it, on one executor in virtual time. Topics connect the node to a plant; after half a second
+// somebody presses the button.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "std_msgs/msg/bool.hpp"
+#include "std_msgs/msg/float64.hpp"
+
+enum rcl_clock_type_t { RCL_ROS_TIME = 1, RCL_SYSTEM_TIME = 2, RCL_STEADY_TIME = 3 };
+
+namespace rclcpp
+{
+namespace doubled
+{
+inline std::int64_t present = 1'000'000;  // nanoseconds
+inline bool ok = true;
+inline double opening = 0.0;
+inline double level = 0.2;
+inline std::function<void(const std_msgs::msg::Float64 &)> on_level;
+inline std::function<void(const std_msgs::msg::Bool &)> on_button;
+
+inline void published(const std::string &, const std_msgs::msg::Float64 & message) {opening = message.data;}
+inline void published(const std::string & topic, const std_msgs::msg::Bool & message)
+{
+  std::printf("%s %d at %lld ms\n", topic.c_str(), message.data ? 1 : 0, static_cast<long long>(present / 1000000 - 1));
+}
+}  // namespace doubled
+
+class Duration
+{
+public:
+  explicit Duration(std::int64_t given) : value_(given) {}
+  std::int64_t nanoseconds() const {return value_;}
+
+private:
+  std::int64_t value_;
+};
+
+class Time
+{
+public:
+  explicit Time(std::int64_t given) : value_(given) {}
+  Duration operator-(const Time & other) const {return Duration(value_ - other.value_);}
+
+private:
+  std::int64_t value_;
+};
+
+class Clock
+{
+public:
+  explicit Clock(rcl_clock_type_t type = RCL_SYSTEM_TIME) {(void)type;}
+  Time now() {return Time(doubled::present);}
+};
+
+class QoS
+{
+public:
+  QoS(std::size_t depth) {(void)depth;}  // NOLINT: as in rclcpp
+};
+
+class SensorDataQoS : public QoS
+{
+public:
+  SensorDataQoS() : QoS(5) {}
+};
+
+template<typename Message>
+class Publisher
+{
+public:
+  using SharedPtr = std::shared_ptr<Publisher>;
+  explicit Publisher(std::string topic) : topic_(std::move(topic)) {}
+  void publish(const Message & message) {doubled::published(topic_, message);}
+
+private:
+  std::string topic_;
+};
+
+template<typename Message>
+class Subscription
+{
+public:
+  using SharedPtr = std::shared_ptr<Subscription>;
+};
+
+class TimerBase
+{
+public:
+  using SharedPtr = std::shared_ptr<TimerBase>;
+  TimerBase(std::int64_t every, std::function<void()> called) : period(every), callback(std::move(called)) {}
+  void cancel() {cancelled = true;}
+
+  std::int64_t period;
+  std::function<void()> callback;
+  bool cancelled = false;
+};
+
+class Logger {};
+
+class Node
+{
+public:
+  explicit Node(const std::string & name) {(void)name;}
+  virtual ~Node() = default;
+
+  template<typename Message>
+  typename Publisher<Message>::SharedPtr create_publisher(const std::string & topic, const QoS & qos)
+  {
+    (void)qos;
+    return std::make_shared<Publisher<Message>>(topic);
+  }
+
+  template<typename Message, typename Callback>
+  typename Subscription<Message>::SharedPtr create_subscription(const std::string &, const QoS &, Callback && callback)
+  {
+    if constexpr (std::is_same_v<Message, std_msgs::msg::Float64>) {
+      doubled::on_level = callback;
+    } else {
+      doubled::on_button = callback;
+    }
+    return std::make_shared<Subscription<Message>>();
+  }
+
+  template<typename Count, typename Unit, typename Callback>
+  TimerBase::SharedPtr create_wall_timer(std::chrono::duration<Count, Unit> period, Callback callback)
+  {
+    timer = std::make_shared<TimerBase>(std::chrono::nanoseconds(period).count(), callback);
+    return timer;
+  }
+
+  Logger get_logger() const {return {};}
+
+  TimerBase::SharedPtr timer;
+};
+
+inline void init(int, char **) {}
+inline bool shutdown()
+{
+  doubled::ok = false;
+  return true;
+}
+
+inline void spin(const std::shared_ptr<Node> & node)
+{
+  using doubled::present;
+  for (int turn = 1; doubled::ok && turn < 1000; turn++) {
+    present += node->timer->period / 2;
+    doubled::level += (doubled::opening - 0.3 * doubled::level) * 0.005;
+    std_msgs::msg::Float64 level;
+    level.data = doubled::level;
+    doubled::on_level(level);
+    if (turn == 101) {
+      std_msgs::msg::Bool pressed;
+      pressed.data = true;
+      doubled::on_button(pressed);
+    }
+    if (turn % 2 == 0 && !node->timer->cancelled) {
+      node->timer->callback();
+    }
+  }
+  std::printf("level %.2f, opening %g\n", doubled::level, doubled::opening);
+}
+}  // namespace rclcpp
+
+#define RCLCPP_INFO(logger, ...) ((void)(logger), std::printf(__VA_ARGS__), std::printf("\n"))
