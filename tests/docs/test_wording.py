@@ -55,6 +55,9 @@ searched, too.
 
 def refused_in(text: str) -> list[str]:
     """The refused words in a text, each with its line."""
+    lower = text.lower()
+    if not any(re.search(pattern, lower) for pattern in REFUSED.values()):
+        return []  # Found in a fraction of the time, since these patterns begin with letters.
     found = []
     for number, line in enumerate(text.splitlines(), start=1):
         for word, pattern in REFUSED.items():
