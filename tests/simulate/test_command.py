@@ -38,7 +38,7 @@ def test_quiet_run_says_nothing(heater: Path, capsys: pytest.CaptureFixture[str]
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        (["--record", "out.xls"], "the name must end in .csv or .npz"),
+        (["--record", "out.xls"], "the name must end in .csv, .npz, .mcap or .parquet"),
         (["--plot", "nowhere/out.svg"], "there is no folder nowhere"),
         (["--environment", "Banch"], "no environment `Banch`"),
         (["--for", "soon"], "soon"),

@@ -110,7 +110,7 @@ def released_once(own: Path) -> bool:
 
 def test_a_full_disk_costs_the_recording_and_not_the_release(folder: Path, tmp_path: Path) -> None:
     own = folder / "full"
-    trace, record = tmp_path / "trace.jsonl", tmp_path / "record.npz"
+    trace, record = tmp_path / "trace.jsonl", tmp_path / "record.csv"
     files = ["--for", "10s", "--trace", str(trace), "--record", str(record)]
     process = started(
         own, "run -O1", "virtual time", files=files,

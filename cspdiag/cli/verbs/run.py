@@ -11,6 +11,7 @@ from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
 from cspdiag.cli.support.numbers import add_real
+from cspdiag.cli.support.runs.recorded import opened_recording, recording_path, require_recording
 from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from cspdiag.pipeline import Built
     from cspdiag.simulate.native.run import NativeProgram, Observed
     from cspdiag.simulate.record.recorder import Recorder
+    from cspdiag.simulate.record.streamed.recording import Recording
     from cspdiag.simulate.result import Run
 
 EXAMPLE = (
@@ -29,7 +31,6 @@ EXAMPLE = (
 )
 
 _ENDINGS = {
-    "record": (".csv", ".npz"),
     "trace": (".json", ".jsonl"),
     "plot": (".svg", ".png", ".pdf"),
 }
@@ -74,8 +75,13 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="run the language reference itself, as a program: slowly",
     )
     parser.add_argument(
-        "--record", type=file_path, metavar="FILE", help="the external ports over time, as .csv or .npz"
-    )
+        "--record", type=recording_path, metavar="FILE",
+        help="the external ports over time, as .csv, .npz, .mcap or .parquet; with a / at its end a ROS 2 bag folder",
+    )  # fmt: skip
+    parser.add_argument(
+        "--messages", choices=("ros2", "json"), default="ros2",
+        help="what an .mcap file consists of: messages of ROS 2, exact and fast, or JSON (default: ros2)",
+    )  # fmt: skip
     parser.add_argument(
         "--trace", type=file_path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
     )
@@ -106,7 +112,8 @@ def run(arguments: Namespace) -> int:
         return run_replay(arguments)
     for option, endings in _ENDINGS.items():
         require_file(f"--{option}", getattr(arguments, option), endings)
-    outputs = (*_ENDINGS, "draw-deadlock")
+    require_recording(arguments.record)
+    outputs = ("record", *_ENDINGS, "draw-deadlock")
     named = {f"--{option}": getattr(arguments, option.replace("-", "_")) for option in outputs}
     require_different({"the program": arguments.file, **named})
     if arguments.plot is not None:
@@ -138,13 +145,13 @@ def run(arguments: Namespace) -> int:
         if arguments.whole_process:
             stay_running(real_time=arguments.real_time)
         try:
-            result = _simulate(arguments, built.network, until)
+            result, recording = _recorded(arguments, built.network, until)
         except Stopped as stopped:
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before the run began")
             return stopped.exit_code
         except HandlerFailed as failed:
             raise NoResultError(str(failed.error)) from None
-        return conclude(arguments, result, built.checked)
+        return conclude(arguments, result, built.checked, recording)
 
 
 def _refuse_unsupported_by_reference(arguments: Namespace) -> None:
@@ -198,7 +205,23 @@ def _built(arguments: Namespace) -> Built:
     return built
 
 
-def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> Run:
+def _recorded(arguments: Namespace, network: CoreNetwork, until: int | None) -> tuple[Run, Recording | None]:
+    """The run, and its recording, which is not finished."""
+    from cspdiag.simulate.run.execute import NoEnvironmentError
+
+    try:
+        recording = opened_recording(arguments, network)
+    except NoEnvironmentError as problem:
+        raise UsageError(str(problem)) from None
+    try:
+        return _simulate(arguments, network, until, recording), recording
+    except BaseException:
+        if recording is not None:
+            recording.discard()
+        raise
+
+
+def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, recording: Recording | None) -> Run:
     from cspdiag.cli.support.runs.endless import EndlessRun
     from cspdiag.cli.support.runs.progress import Progress
     from cspdiag.cli.support.runs.standstill import Standstill
@@ -217,7 +240,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
         with endless or nullcontext():
             if endless is not None:
                 endless.attach()
-            return _simulate_on_reference(arguments, network, until, recorder)
+            return _simulate_on_reference(arguments, network, until, recorder, recording)
     simulate = _SIMULATIONS[arguments.target]
     progress = None
     if not arguments.quiet:
@@ -234,7 +257,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
 
     try:
         with progress or nullcontext(), standstill or nullcontext(), endless or nullcontext():
-            return simulate(arguments, network, until, recorder, attach)
+            return simulate(arguments, network, until, recorder, recording, attach)
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
     except (BodyError, CompilerError, target_errors()) as problem:
@@ -250,12 +273,14 @@ def _recorded_ports(arguments: Namespace, network: CoreNetwork) -> dict[str, Typ
     return {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
-def _simulate_on_reference(arguments: Namespace, network: CoreNetwork, until: int | None, recorder: Recorder) -> Run:
+def _simulate_on_reference(
+    arguments: Namespace, network: CoreNetwork, until: int | None, recorder: Recorder, recording: Recording | None
+) -> Run:
     from cspdiag.simulate.run.execute import NoEnvironmentError
     from cspdiag.simulate.run.reference import NoMeaningError, simulate
 
     try:
-        return simulate(network, environment=arguments.environment, until=until, recorder=recorder)
+        return simulate(network, environment=arguments.environment, until=until, recorder=recorder, recording=recording)
     except (NoEnvironmentError, NoMeaningError) as problem:
         raise UsageError(str(problem)) from None
 
@@ -265,6 +290,7 @@ def _simulate_in_python(
     network: CoreNetwork,
     until: int | None,
     recorder: Recorder,
+    recording: Recording | None,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
     from cspdiag import pipeline
@@ -291,6 +317,7 @@ def _simulate_in_python(
         probe_variables=arguments.plot is not None,
         measured=_is_measured(arguments),
         on_start=lambda network: on_start(ProgramInThread(network)),
+        recording=recording,
     )
 
 
@@ -299,6 +326,7 @@ def _simulate_native(
     network: CoreNetwork,
     until: int | None,
     recorder: Recorder,
+    recording: Recording | None,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
     from cspdiag.simulate.native.boards import BOARDS
@@ -316,6 +344,7 @@ def _simulate_native(
         observed=_observed(arguments),
         measured=_is_measured(arguments),
         board=None if arguments.on is None else BOARDS[arguments.on],
+        recording=recording,
     )
 
 
@@ -324,6 +353,7 @@ def _simulate_on_either(
     network: CoreNetwork,
     until: int | None,
     recorder: Recorder,
+    recording: Recording | None,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
     from cspdiag.simulate.native.choice import NotNative, native_if_possible, run_either
@@ -340,8 +370,10 @@ def _simulate_on_either(
         )
     return run_either(
         program,
-        lambda program: program.run(until=until, recorder=recorder, on_start=on_start, observed=_observed(arguments)),
-        lambda: _simulate_in_python(arguments, network, until, recorder, on_start),
+        lambda program: program.run(
+            until=until, recorder=recorder, on_start=on_start, observed=_observed(arguments), recording=recording
+        ),
+        lambda: _simulate_in_python(arguments, network, until, recorder, recording, on_start),
     )
 
 

@@ -141,6 +141,13 @@ class PassedRows:
         self._sort_rows()
         return {self.channels[number].name: own.history() for number, own in self._series.items()}
 
+    def take_histories(self) -> Mapping[str, History]:
+        """The histories of what was added since the last call, which is not kept any longer."""
+        self._sort_rows()
+        found = {self.channels[number].name: own.history() for number, own in self._series.items()}
+        self._series.clear()
+        return found
+
     def _sort_rows(self) -> None:
         """Add the rows that are kept to the series, many at a time."""
         begin, size = self._unsorted, 0

@@ -21,6 +21,7 @@ from cspdiag.simulate.deadlock.report import deadlock_report
 from cspdiag.simulate.native.boards import Board
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.monitor import ProgramMonitor
+from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import PassedRows
 from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader
 from cspdiag.simulate.native.supervisor import Supervisor
@@ -31,6 +32,7 @@ from cspdiag.simulate.run.execute import chosen_environment
 if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
     from cspdiag.runtime.outcome import Ending
+    from cspdiag.simulate.record.streamed.recording import Recording
 
 Observed = Literal["all", "ports", "signals", "none"]
 """What is reported: all communications; those of external ports; of those only what a recording has; or nothing."""
@@ -74,13 +76,14 @@ def simulate(
     measured: bool = False,
     board: Board | None = None,
     options: tuple[str, ...] = ("-O2",),
+    recording: Recording | None = None,
 ) -> Run:
     """Generate, build and run a program; see ``build_program`` and ``NativeProgram.run``."""
     program = build_program(
         network, read, level=level, environment=environment, real_time=real_time, fused=fused, measured=measured,
         board=board, options=options,
     )  # fmt: skip
-    return program.run(until=until, recorder=recorder, on_start=on_start, observed=observed)
+    return program.run(until=until, recorder=recorder, on_start=on_start, observed=observed, recording=recording)
 
 
 def build_program(
@@ -141,8 +144,10 @@ class NativeProgram:
         recorder: Recorder | None = None,
         on_start: Callable[[NativeRun], None] | None = None,
         observed: Observed = "all",
+        recording: Recording | None = None,
     ) -> Run:
-        """Run it; ``until`` is a time limit in nanoseconds.
+        """Run it; ``until`` is a time limit in nanoseconds. ``recording`` is given the values of the external ports
+        while the run continues; the caller finishes it. With ``observed="signals"`` they are not kept besides.
 
         ``on_start`` is passed an object whose ``now`` is the present instant. Ctrl-C and what the program raises end
         the run with an outcome, not with an exception. Raises CompilerError for a program that fails otherwise.
@@ -153,8 +158,13 @@ class NativeProgram:
             words += ["--environment", self.environment.name]
         if until is not None:
             words += ["--for", str(until)]
-        passed = None if observed == "none" else PassedRows(self.network, keeps_order=observed != "signals")
+        kept = None if observed == "none" else PassedRows(self.network, keeps_order=observed != "signals")
+        passed: PassedRows | RecordedRows | None = kept
+        if kept is not None and recording is not None:
+            passed = RecordedRows(self.network, recording, None if observed == "signals" else kept)
         outcome = _run(self, words, recorder, passed, on_start)
+        if isinstance(passed, RecordedRows):
+            passed.hand_over()
         return Run(self.network, self.environment, outcome, recorder, passed)
 
 
@@ -205,7 +215,7 @@ def _run(
     program: NativeProgram,
     words: list[str],
     recorder: Recorder,
-    passed: PassedRows | None,
+    passed: PassedRows | RecordedRows | None,
     on_start: Callable[[NativeRun], None] | None,
 ) -> Outcome:
     with (

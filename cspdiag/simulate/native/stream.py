@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.deadlock.waiting import WaitingRecord, broadcast_readers
+from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import ROW, SIZE, Kind, PassedRows, channel_of, kinds_of
 from cspdiag.simulate.record.recorder import Recorder
 
@@ -50,7 +51,7 @@ class StreamReader:
     stream: BufferedIOBase
     network: CoreNetwork
     recorder: Recorder
-    passed: PassedRows | None = None
+    passed: PassedRows | RecordedRows | None = None
     """Where values are kept; None if none are reported."""
     flattened: bool = False
     """Whether processes are inlined in the thread that runs them, as with ``-O1``."""
@@ -88,7 +89,7 @@ class StreamReader:
             return rows * SIZE
         return self._take_values(data, rows, self.passed) * SIZE
 
-    def _take_values(self, data: bytes, rows: int, passed: PassedRows) -> int:
+    def _take_values(self, data: bytes, rows: int, passed: PassedRows | RecordedRows) -> int:
         """Take whole records, most of which have values; returns how many rows they have."""
         import numpy
 

@@ -60,7 +60,7 @@ def csv_parts(run: RunData) -> Iterator[str]:
     columns = [
         column
         for port in run.network.external_ports
-        for column in columns_of(f"{run.network.top}.{port.name}", port.name, port.type, _written)
+        for column in columns_of(f"{run.network.top}.{port.name}", port.name, port.type, written)
     ]
     yield ",".join(["time", *(column.name for column in columns)]) + "\n"
     for instants, cells in held_rows(histories(run), columns, ""):
@@ -68,7 +68,7 @@ def csv_parts(run: RunData) -> Iterator[str]:
         yield "\n".join(map(",".join, zip(times, *cells, strict=True))) + "\n"
 
 
-def _written(values: list[Any], kind: Type) -> list[str]:
+def written(values: list[Any], kind: Type) -> list[str]:
     """Numbers as written in a table."""
     match kind:
         case BoolType():

@@ -43,23 +43,36 @@ def held_rows(
     """Parts of the table, one after the other: instants in nanoseconds, and for each column its cells, which are
     ``empty`` before the first value.
     """
-    channels = [name for name in dict.fromkeys(column.channel for column in columns) if name in histories]
-    shown = {name: histories[name] for name in channels}
-    starts = dict.fromkeys(channels, 0)
-    held = [empty] * len(columns)
-    while ends := _ends(shown, starts):
-        instants = sorted({time for name in channels for time in shown[name].time[starts[name] : ends[name]].tolist()})
-        cells = []
-        for position, column in enumerate(columns):
-            new: dict[int, Cell] = {}
-            if column.channel in shown:
-                own, start, stop = shown[column.channel], starts[column.channel], ends[column.channel]
-                values = column.cells(own.leaf(column.path, start, stop), column.type)
-                new = dict(zip(own.time[start:stop].tolist(), values, strict=True))
-            cells.append(_held(held[position], instants, new))
-            held[position] = cells[-1][-1]
-        yield instants, cells
-        starts = ends
+    yield from Held(columns, empty).rows(histories)
+
+
+class Held(Generic[Cell]):
+    """The table so far: what is held in each column after the last row."""
+
+    def __init__(self, columns: Sequence[Column[Cell]], empty: Cell) -> None:
+        self._columns = columns
+        self._held = [empty] * len(columns)
+
+    def rows(self, histories: Mapping[str, History]) -> Iterator[tuple[list[int], list[list[Cell]]]]:
+        """The rows that follow, in parts, from what the channels passed since."""
+        channels = [name for name in dict.fromkeys(column.channel for column in self._columns) if name in histories]
+        shown = {name: histories[name] for name in channels}
+        starts = dict.fromkeys(channels, 0)
+        while ends := _ends(shown, starts):
+            instants = sorted(
+                {time for name in channels for time in shown[name].time[starts[name] : ends[name]].tolist()}
+            )
+            cells = []
+            for position, column in enumerate(self._columns):
+                new: dict[int, Cell] = {}
+                if column.channel in shown:
+                    own, start, stop = shown[column.channel], starts[column.channel], ends[column.channel]
+                    values = column.cells(own.leaf(column.path, start, stop), column.type)
+                    new = dict(zip(own.time[start:stop].tolist(), values, strict=True))
+                cells.append(_held(self._held[position], instants, new))
+                self._held[position] = cells[-1][-1]
+            yield instants, cells
+            starts = ends
 
 
 def _ends(histories: Mapping[str, History], starts: Mapping[str, int]) -> dict[str, int]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from cspdiag.base.errors import CspdiagError
@@ -21,6 +22,7 @@ from cspdiag.simulate.run.probes import probe
 if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
     from cspdiag.runtime.deadlock import WaitingProcess
+    from cspdiag.simulate.record.streamed.recording import Recording
 
 
 class NoEnvironmentError(CspdiagError, LookupError):
@@ -66,10 +68,12 @@ def simulate(
     probe_variables: bool = False,
     measured: bool = False,
     on_start: Callable[[RunningNetwork], None] | None = None,
+    recording: Recording | None = None,
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
-    ``until`` is a time limit in nanoseconds. ``probe_variables`` also records the values of variables that have a unit,
+    ``until`` is a time limit in nanoseconds. ``recording`` is given the values of the external ports while the run goes
+    on; the caller finishes it. ``probe_variables`` also records the values of variables that have a unit,
     ``measured`` how long laws compute. ``on_start`` is passed the running network, whose ``now`` is the present
     instant. Signals and what the program raises end the run with an outcome, not with an exception. Raises
     NoEnvironmentError and BodyError, and Stopped if a signal arrives before the run.
@@ -92,19 +96,34 @@ def simulate(
             measure(running, recorder)
         if on_start is not None:
             on_start(running)
-        outcome = running.run(
-            environment=plant,
-            until=until,
-            real_time=real_time,
-            on_miss=chosen.on_miss if chosen is not None else "timeout",
-            observer=recorder,
-        )
+        with noted(recorder, recording, plant):
+            outcome = running.run(
+                environment=plant,
+                until=until,
+                real_time=real_time,
+                on_miss=chosen.on_miss if chosen is not None else "timeout",
+                observer=recorder,
+            )
         if outcome.deadlock is not None:
             waiting = [_record(process) for process in outcome.deadlock.waiting]
             outcome.deadlock = deadlock_report(outcome.time, waiting, network, recorder)
     finally:
         package.close()
     return Run(network, chosen, outcome, recorder)
+
+
+@contextmanager
+def noted(recorder: Recorder, recording: Recording | None, environment: object) -> Iterator[None]:
+    """Inside, while ``environment`` advances, a recording is given what a recorder notes."""
+    if recording is None or environment is None:
+        yield
+        return
+    from cspdiag.simulate.record.streamed.notes import NotedPorts
+
+    with NotedPorts(recorder, recording) as notes:
+        notes.watch(environment)
+        yield
+    notes.take(None)
 
 
 def _record(process: WaitingProcess) -> WaitingRecord:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.network.ir.external import external_bodies
@@ -16,8 +18,11 @@ from cspdiag.semantics.trace import Execution
 from cspdiag.simulate.deadlock.report import deadlock_report
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
-from cspdiag.simulate.run.execute import chosen_environment
+from cspdiag.simulate.run.execute import chosen_environment, noted
 from cspdiag.simulate.run.whereabouts import Whereabouts
+
+if TYPE_CHECKING:
+    from cspdiag.simulate.record.streamed.recording import Recording
 
 _ENDINGS: dict[str, Ending] = {
     "terminated": "terminated",
@@ -31,7 +36,14 @@ class NoMeaningError(CspdiagError):
     """The program has parts to which the reference semantics gives no meaning; the message is one line."""
 
 
-def simulate(network: CoreNetwork, *, environment: str | None, until: int | None, recorder: Recorder) -> Run:
+def simulate(
+    network: CoreNetwork,
+    *,
+    environment: str | None,
+    until: int | None,
+    recorder: Recorder,
+    recording: Recording | None = None,
+) -> Run:
     """Run a network in virtual time, up to ``until`` nanoseconds.
 
     A signal ends the run with an outcome. Raises NoEnvironmentError, and NoMeaningError for bodies in other languages.
@@ -40,14 +52,16 @@ def simulate(network: CoreNetwork, *, environment: str | None, until: int | None
     _refuse_other_languages(network, chosen)
     began = perf_counter()
     worlds: list[Scheduler] = []
+    watching = ExitStack()
 
     def make(*arguments: object, **named: object) -> Scheduler:
         worlds.append(Scheduler(*arguments, **named))  # type: ignore[arg-type]
+        watching.enter_context(noted(recorder, recording, worlds[0].outside))
         return worlds[0]
 
     name = None if chosen is None else chosen.name
     try:
-        with stopping.raising():
+        with stopping.raising(), watching:
             done = execute(network, name, until, scheduler=make, observer=recorder)
     except Stopped as stopped:
         outcome = Outcome("stopped", worlds[0].now if worlds else 0, signal=stopped.signal)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import WRONG_USAGE, described
@@ -15,12 +15,17 @@ from cspdiag.cli.support.terminal import say
 if TYPE_CHECKING:
     from cspdiag.model.program import Program
     from cspdiag.pipeline import Checked
+    from cspdiag.simulate.record.streamed.recording import Recording
     from cspdiag.simulate.result import Run
 
-_Writer = Callable[[Path], object]
+_Writer = Callable[[Any], object]
 
 
-def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
+class RecordingFailedError(Exception):
+    """A recording is not whole, as a message has said."""
+
+
+def conclude(arguments: Namespace, result: Run, checked: Checked, recording: Recording | None = None) -> int:
     """Write what was requested, report how the run ended, and return the exit code.
 
     The files of a run that was stopped are written like those of any other. A signal during that, after a run that
@@ -31,7 +36,7 @@ def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
 
     if result.outcome.deadlock is not None:
         say(result.outcome.deadlock.text)
-    requested = list(_requested_files(arguments, result, checked.program))
+    requested = list(_requested_files(arguments, result, checked.program, recording))
     if stopping.signal:
         missing = _write(requested)
     else:
@@ -41,14 +46,18 @@ def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
         except Stopped as stopped:
             left = ", ".join(on_one_line(path) for path, _ in requested)
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before {left} had been written")
+            if recording is not None:
+                recording.abandon()
             return stopped.exit_code
     _print_summary(arguments, result, checked, [str(path) for path, _ in requested if path not in missing])
     return result.outcome.exit_code or (WRONG_USAGE if missing else 0)
 
 
-def _requested_files(arguments: Namespace, result: Run, program: Program | None) -> Iterator[tuple[Path, _Writer]]:
-    if arguments.record is not None:
-        yield arguments.record, result.to_npz if str(arguments.record).endswith(".npz") else result.to_csv
+def _requested_files(
+    arguments: Namespace, result: Run, program: Program | None, recording: Recording | None
+) -> Iterator[tuple[Path | str, _Writer]]:
+    if recording is not None:
+        yield arguments.record, lambda _: _finish(recording, result)
     if arguments.trace is not None:
         yield arguments.trace, result.to_trace
     if arguments.plot is not None:
@@ -57,12 +66,20 @@ def _requested_files(arguments: Namespace, result: Run, program: Program | None)
         yield arguments.draw_deadlock, lambda path: _draw_deadlock(path, result, program)
 
 
-def _write(requested: list[tuple[Path, _Writer]]) -> list[Path]:
+def _finish(recording: Recording, result: Run) -> None:
+    recording.finish(result.outcome.ended, result.outcome.time, result.releases)
+    if recording.problem is not None:
+        raise RecordingFailedError
+
+
+def _write(requested: list[tuple[Path | str, _Writer]]) -> list[Path | str]:
     """Write the files; returns the paths that cannot be written, which do not prevent the others."""
     missing = []
     for path, writer in requested:
         try:
             writer(path)
+        except RecordingFailedError:
+            missing.append(path)
         except OSError as problem:
             problem.filename = str(path)
             say(f"cspdiag: {described(problem)}")

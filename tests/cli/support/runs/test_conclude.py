@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag.cli.main import main
-from cspdiag.simulate.result import Run
+from cspdiag.simulate.record.streamed.table import Table
 
 PROGRAM = """
 driver Card(stops: int) python "card.py:Card" { out level : double }
@@ -52,13 +52,13 @@ class Card:
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     (tmp_path / "main.csp").write_text(PROGRAM)
     (tmp_path / "card.py").write_text(CARD)
-    write = Run.to_csv
+    close = Table.close
 
-    def interrupted(self: Run, path: Path) -> None:
+    def interrupted(self: Table, ended: str, time: int) -> None:
         os.kill(os.getpid(), signal.SIGHUP)
-        write(self, path)
+        close(self, ended, time)
 
-    monkeypatch.setattr(Run, "to_csv", interrupted)
+    monkeypatch.setattr(Table, "close", interrupted)
     monkeypatch.chdir(tmp_path)
     return ["run", "main.csp", "--for", "1s", "--record", "main.csv", "--trace", "main.jsonl"]
 
@@ -70,7 +70,7 @@ def test_a_signal_ends_the_writing_of_a_run_that_ended_by_itself(
     assert main(run) == 128 + signal.SIGHUP
     reported = capsys.readouterr().err
     assert reported.endswith("cspdiag: stopped by SIGHUP before main.csv, main.jsonl had been written\n")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["card.py", "main.csp"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["card.py", "main.csp", "main.part.csv"]
     assert signal.getsignal(signal.SIGHUP) == before
 
 

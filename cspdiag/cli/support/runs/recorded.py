@@ -1,0 +1,75 @@
+"""The recording that a run was asked for: which file, and what a message says when it cannot be written."""
+
+from __future__ import annotations
+
+import os
+from argparse import ArgumentTypeError, Namespace
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.support.failure import UsageError, described
+from cspdiag.cli.support.files.written import file_path, require_file
+from cspdiag.cli.support.terminal import say
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir.network import CoreNetwork
+    from cspdiag.simulate.record.streamed.recording import Recording
+
+
+_ENDINGS = (".csv", ".npz", ".mcap", ".parquet")
+
+
+def recording_path(text: str) -> str:
+    """The name of a recording: of a file, or, with a slash at its end, of a ROS 2 bag folder."""
+    if text.endswith(("/", os.sep)):
+        name = os.path.basename(text.rstrip("/" + os.sep))
+        if name in {"", os.curdir, os.pardir} or os.path.splitext(name)[1] in _ENDINGS:
+            raise ArgumentTypeError(f"expected the name of a new folder, not {text!r}")
+        return text
+    return str(file_path(text))
+
+
+def require_recording(name: str | None) -> None:
+    """Refuse a recording that could not be written."""
+    if name is None:
+        return
+    from cspdiag.base.errors import ArgumentError, MissingPackageError
+    from cspdiag.simulate.record.streamed.formats import is_bag, part_of, require_format
+
+    if not is_bag(name):
+        require_file("--record", name, _ENDINGS)
+    elif os.path.lexists(name.rstrip("/" + os.sep)):
+        raise UsageError(f"--record {name}: is there already, and a bag is not overwritten")
+    else:
+        require_file("--record", os.path.join(os.path.dirname(name.rstrip("/" + os.sep)), "metadata.yaml"))
+        part = part_of(name)
+        if os.path.lexists(part):
+            raise UsageError(f"--record {name}: {part} is there, of a run that did not end; move it or remove it")
+    try:
+        require_format(name)
+    except (ArgumentError, MissingPackageError) as problem:
+        raise UsageError(f"--record {name}: {problem}") from None
+
+
+def opened_recording(arguments: Namespace, network: CoreNetwork) -> Recording | None:
+    """The recording of a run; None if there is to be none. Raises UsageError, and NoEnvironmentError."""
+    if arguments.record is None:
+        return None
+    from cspdiag.simulate.record.stored.described import head_of
+    from cspdiag.simulate.record.streamed.formats import open_writer, part_of
+    from cspdiag.simulate.record.streamed.recording import Recording
+    from cspdiag.simulate.run.execute import chosen_environment
+
+    head = head_of(network, chosen_environment(network, arguments.environment))
+    name: str = arguments.record
+
+    def tell(problem: OSError, until: int) -> None:
+        named = OSError(problem.errno, problem.strerror or str(problem), name)
+        part = part_of(name)
+        left = f"; {part} has everything up to {until / 1e9:.9g} s" if os.path.exists(part) else ""
+        say(f"cspdiag: {described(named)}{left}")
+
+    try:
+        writer = open_writer(name, head, arguments.messages)
+    except OSError as problem:
+        raise UsageError(described(OSError(problem.errno, problem.strerror, name))) from None
+    return Recording(head, writer, on_problem=tell, background=arguments.real_time and arguments.target == "python")

@@ -1,0 +1,71 @@
+"""A recording in a file: what it says of its signals, and their values, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.base.errors import CspdiagError
+from cspdiag.base.record import record
+from cspdiag.simulate.record.leaves import column, leaves
+from cspdiag.simulate.record.stored.described import RecordingHead
+from cspdiag.simulate.record.streamed.blocks import Block
+
+if TYPE_CHECKING:
+    import numpy
+
+    from cspdiag.model.types import Type
+
+
+class RecordingError(CspdiagError):
+    """A file is no recording, or damaged; the message names it and says what helps."""
+
+
+@record
+class StoredRecording:
+    """``read`` gives the blocks of the ports at some positions, part by part: each part has what comes after the parts
+    before it. ``format`` is what the file is, for people; ``whole`` says whether it has the end of its run. ``ended``
+    is why the run ended, and ``time`` when, in nanoseconds; of a recording that is not whole "", and the last instant.
+    ``typed`` says whether the types and units are those of the program, or were guessed from the numbers.
+    """
+
+    path: str
+    format: str
+    head: RecordingHead
+    read: Callable[[Sequence[int]], Iterator[Sequence[Block]]]
+    whole: bool = True
+    ended: str = ""
+    time: int = 0
+    typed: bool = True
+
+    __hash__ = object.__hash__
+
+    def blocks(self, positions: Sequence[int] | None = None) -> Iterator[Sequence[Block]]:
+        """The values of the ports at these positions, or of all."""
+        return self.read(range(len(self.head.ports)) if positions is None else positions)
+
+    def values(self, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:
+        """All instants in nanoseconds and all values of a port."""
+        import numpy
+
+        position = [port.name for port in self.head.ports].index(name)
+        found = [block for blocks in self.blocks((position,)) for block in blocks]
+        kind = self.head.ports[position].type
+        return (
+            numpy.concatenate([numpy.empty(0, numpy.int64), *(block.time for block in found)]),
+            numpy.concatenate([column([], kind), *(block.value for block in found)]),
+        )
+
+
+def assembled(numbers: Sequence[Any], kind: Type, count: int) -> numpy.ndarray:
+    """Values from the columns of their numbers, in the order of ``leaves``."""
+    import numpy
+
+    empty = column([], kind)
+    found = numpy.empty((count, *empty.shape[1:]), empty.dtype)
+    for (_, _, path), values in zip(leaves("", kind), numbers, strict=True):
+        into: Any = found
+        for index in path:
+            into = into[:, index] if into.ndim > 1 else into[(into.dtype.names or ())[index]]
+        into[...] = values
+    return found

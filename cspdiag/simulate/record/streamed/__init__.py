@@ -1,0 +1,1 @@
+"""Recordings that are written while a run continues."""

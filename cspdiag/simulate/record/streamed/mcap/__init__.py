@@ -1,0 +1,1 @@
+"""MCAP files and what is inside: messages of ROS 2 and of JSON."""

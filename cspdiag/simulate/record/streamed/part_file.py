@@ -1,0 +1,139 @@
+"""The file of a recording while the run continues: next to its destination, under a name that says that it is a part.
+
+``run.csv`` is ``run.part.csv`` until it is whole. What is written is there at once, without a buffer in this process:
+if the process is killed, the part has it.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+import tempfile
+from contextlib import suppress
+from typing import Protocol
+
+from cspdiag.base.files.whole import require_name_of_file
+
+
+class Sink(Protocol):
+    """Where bytes go: all that are given, or OSError is raised."""
+
+    def write(self, data: bytes) -> object:
+        """Write all of them."""
+        ...
+
+    def seekable(self) -> bool:
+        """Whether it has places."""
+        ...
+
+    def seek(self, position: int) -> object:
+        """Go to a place, from the beginning."""
+        ...
+
+    def truncate(self, size: int) -> object:
+        """Cut it."""
+        ...
+
+
+def part_name(path: str, ending: str | None = None) -> str:
+    """``run.part.csv`` for ``run.csv``; with another ending if one is given."""
+    root, own = os.path.splitext(path)
+    return f"{root}.part{own if ending is None else ending}"
+
+
+class PartFile:
+    """A ``Sink`` that becomes the file at ``path``; a device or a pipe is written to as it is.
+
+    Raises OSError with the name that was given.
+    """
+
+    def __init__(self, path: str, part: str | None = None) -> None:
+        require_name_of_file(path)
+        self.path = path
+        self._real = os.path.realpath(path)
+        self.is_device = os.path.exists(path) and not os.path.isfile(path)
+        self.part = path if self.is_device else part_name(self._real) if part is None else part
+        if self.is_device:
+            self._descriptor = _opened_device(path)
+        else:
+            with suppress(FileNotFoundError):
+                os.unlink(self.part)  # Another run may still write to it: it keeps its file.
+            self._descriptor = os.open(
+                self.part, os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666
+            )
+        self._seekable = not self.is_device and stat.S_ISREG(os.fstat(self._descriptor).st_mode)
+
+    def write(self, data: bytes) -> object:
+        """See ``Sink``."""
+        rest = memoryview(data)
+        while rest:
+            rest = rest[os.write(self._descriptor, rest) :]
+        return None
+
+    def seekable(self) -> bool:
+        """See ``Sink``."""
+        return self._seekable
+
+    def seek(self, position: int) -> object:
+        """See ``Sink``."""
+        return os.lseek(self._descriptor, position, os.SEEK_SET)
+
+    def truncate(self, size: int) -> object:
+        """See ``Sink``."""
+        os.ftruncate(self._descriptor, size)
+        return None
+
+    def put_in_place(self) -> None:
+        """The file is whole: it takes its name, and the permissions of the file that it replaces."""
+        if not self.is_device:
+            own = os.fstat(self._descriptor)
+            try:
+                there = os.stat(self.part)
+            except FileNotFoundError:
+                there = None
+            if there is None or (there.st_dev, there.st_ino) != (own.st_dev, own.st_ino):
+                self.close()
+                raise OSError(errno.EEXIST, "another run writes to the same recording", self.path)
+            with suppress(OSError):
+                os.chmod(self.part, os.stat(self._real).st_mode & 0o7777)
+        self.close()
+        if not self.is_device:
+            os.replace(self.part, self._real)
+
+    def discard(self) -> None:
+        """Leave nothing of it."""
+        self.close()
+        if not self.is_device:
+            with suppress(FileNotFoundError):
+                os.unlink(self.part)
+
+    def close(self) -> None:
+        """Close it, and leave it where it is."""
+        if self._descriptor >= 0:
+            descriptor, self._descriptor = self._descriptor, -1
+            os.close(descriptor)
+
+
+def journal_name(path: str) -> str:
+    """Where the values of a file that can only be written at the end are until then: next to it, as MCAP, or in the
+    folder for temporary files if the destination is a device or a pipe.
+    """
+    if os.path.exists(path) and not os.path.isfile(path):
+        number, name = tempfile.mkstemp(suffix=".part.mcap")
+        os.close(number)
+        return name
+    return part_name(os.path.realpath(path), ".mcap")
+
+
+def _opened_device(path: str) -> int:
+    """A device or a pipe to be written to, without waiting for a reader, which could take forever."""
+    waits_not = getattr(os, "O_NONBLOCK", 0)
+    try:
+        number = os.open(path, os.O_WRONLY | waits_not)
+    except OSError as problem:
+        if problem.errno == errno.ENXIO:
+            raise OSError(problem.errno, "it has no reader", path) from None
+        raise
+    os.set_blocking(number, True)
+    return number
