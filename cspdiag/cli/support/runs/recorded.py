@@ -28,26 +28,26 @@ def recording_path(text: str) -> str:
     return str(file_path(text))
 
 
-def require_recording(name: str | None) -> None:
-    """Refuse a recording that could not be written."""
+def require_recording(name: str | None, option: str = "--record") -> None:
+    """Refuse a recording that could not be written; ``option`` is what named it."""
     if name is None:
         return
     from cspdiag.base.errors import ArgumentError, MissingPackageError
     from cspdiag.simulate.record.streamed.formats import is_bag, part_of, require_format
 
     if not is_bag(name):
-        require_file("--record", name, _ENDINGS)
+        require_file(option, name, _ENDINGS)
     elif os.path.lexists(name.rstrip("/" + os.sep)):
-        raise UsageError(f"--record {name}: is there already, and a bag is not overwritten")
+        raise UsageError(f"{option} {name}: is there already, and a bag is not overwritten")
     else:
-        require_file("--record", os.path.join(os.path.dirname(name.rstrip("/" + os.sep)), "metadata.yaml"))
+        require_file(option, os.path.join(os.path.dirname(name.rstrip("/" + os.sep)), "metadata.yaml"))
         part = part_of(name)
         if os.path.lexists(part):
-            raise UsageError(f"--record {name}: {part} is there, of a run that did not end; move it or remove it")
+            raise UsageError(f"{option} {name}: {part} is there, of a run that did not end; move it or remove it")
     try:
         require_format(name)
     except (ArgumentError, MissingPackageError) as problem:
-        raise UsageError(f"--record {name}: {problem}") from None
+        raise UsageError(f"{option} {name}: {problem}") from None
 
 
 def opened_recording(arguments: Namespace, network: CoreNetwork) -> Recording | None:

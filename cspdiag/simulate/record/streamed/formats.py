@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 from importlib.util import find_spec
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from cspdiag.base.errors import ArgumentError, missing_package
 from cspdiag.simulate.record.stored.described import RecordingHead
 from cspdiag.simulate.record.streamed.blocks import Writer
 from cspdiag.simulate.record.streamed.part_file import PartFile, part_name
+
+if TYPE_CHECKING:
+    from cspdiag.simulate.record.stored.recording import StoredRecording
 
 ENDINGS = (".csv", ".npz", ".mcap", ".parquet")
 FOLDER = "/"
@@ -44,7 +47,7 @@ def open_writer(name: str, head: RecordingHead, encoding: Encoding = "ros2") -> 
     if ending == ".csv":
         from cspdiag.simulate.record.streamed.table import Table
 
-        return Table(name, head)
+        return Table(PartFile(name), head)
     if ending == ".mcap":
         from cspdiag.simulate.record.streamed.mcap.mcap_file import McapRecording
 
@@ -58,6 +61,45 @@ def open_writer(name: str, head: RecordingHead, encoding: Encoding = "ros2") -> 
     from cspdiag.simulate.record.streamed.parquet import write_parquet
 
     return Journal(name, head, write_parquet)
+
+
+def save(recording: StoredRecording, name: str) -> None:
+    """Write a stored recording under another name, by way of a file that is none of its parts. Raises as
+    ``open_writer`` does.
+    """
+    require_format(name)
+    aside = f"{os.path.realpath(name.rstrip(os.sep))}.saving"
+    ending = os.path.splitext(name)[1]
+    if not is_bag(name) and ending in (".npz", ".parquet"):
+        from cspdiag.simulate.record.streamed.archive import write_archive
+        from cspdiag.simulate.record.streamed.parquet import write_parquet
+
+        file = PartFile(name, aside)
+        try:
+            (write_archive if ending == ".npz" else write_parquet)(recording, file)
+        except BaseException:
+            file.discard()
+            raise
+        file.put_in_place()
+        return
+    from cspdiag.simulate.record.streamed.mcap.mcap_file import McapRecording
+    from cspdiag.simulate.record.streamed.mcap.ros_bag import RosBag
+    from cspdiag.simulate.record.streamed.table import Table
+
+    writer: Writer
+    if is_bag(name):
+        writer = RosBag(name, recording.head, aside)
+    elif ending == ".csv":
+        writer = Table(PartFile(name, aside), recording.head)
+    else:
+        writer = McapRecording(PartFile(name, aside), recording.head, "ros2")
+    try:
+        for blocks in recording.blocks():
+            writer.write(blocks)
+        writer.close(recording.ended or "incomplete", recording.time)
+    except BaseException:
+        writer.discard()
+        raise
 
 
 def part_of(name: str) -> str:

@@ -16,8 +16,8 @@ from cspdiag.simulate.record.streamed.part_file import PartFile
 class Table:
     """See ``Writer``."""
 
-    def __init__(self, path: str, head: RecordingHead) -> None:
-        self._file = PartFile(path)
+    def __init__(self, file: PartFile, head: RecordingHead) -> None:
+        self._file = file
         self._head = head
         self._columns = [
             column for port in head.ports for column in columns_of(port.name, port.name, port.type, written)

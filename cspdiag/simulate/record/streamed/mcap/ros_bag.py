@@ -20,11 +20,11 @@ _VERSION = 5
 class RosBag:
     """See ``Writer``. The folder is new: as ``ros2 bag record`` does, it replaces none."""
 
-    def __init__(self, path: str, head: RecordingHead) -> None:
+    def __init__(self, path: str, head: RecordingHead, part: str | None = None) -> None:
         self._path = path.rstrip(os.sep)
         if os.path.lexists(self._path):
             raise FileExistsError(errno.EEXIST, "is there already, and bags are not overwritten", path)
-        self._part = f"{self._path}.part"
+        self._part = f"{self._path}.part" if part is None else part
         os.makedirs(self._part, exist_ok=True)
         self._head = head
         self._name = f"{os.path.basename(self._path)}_0.mcap"

@@ -1,0 +1,254 @@
+"""Tables (CSV, Parquet) and archives (npz) of recordings, read."""
+
+from __future__ import annotations
+
+import csv
+import json
+import zipfile
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.base.errors import missing_package
+from cspdiag.model.types import (
+    BOOL,
+    DOUBLE,
+    INT,
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
+from cspdiag.simulate.record.leaves import leaves
+from cspdiag.simulate.record.stored.described import RecordedPort, RecordingHead, head_from
+from cspdiag.simulate.record.stored.recording import RecordingError, StoredRecording, assembled
+from cspdiag.simulate.record.streamed.blocks import Block
+
+if TYPE_CHECKING:
+    import numpy
+
+_ROWS = 1 << 14
+"""The rows that are read at a time."""
+
+
+def open_archive(path: str) -> StoredRecording:
+    """The recording in an archive of numpy. Raises RecordingError, and OSError."""
+    import numpy
+
+    try:
+        archive = numpy.load(path, allow_pickle=False)
+        with zipfile.ZipFile(path) as entries:
+            comment = entries.comment
+    except (ValueError, zipfile.BadZipFile) as problem:
+        raise RecordingError(f"{path} is no archive of numpy, or was cut: {problem}") from None
+    head, ended, time = None, "", 0
+    with suppress(ValueError, KeyError, TypeError):
+        about = json.loads(comment)
+        head, ended, time = head_from(about["cspdiag"]), about["ended"], about["time"]
+    typed = head is not None
+    if head is None:
+        names = [name for name in archive.files if f"{name}.time" in archive.files]
+        ports = tuple(RecordedPort(name, _of_dtype(archive[name].dtype, path, name), "in") for name in names)
+        if not ports:
+            raise RecordingError(f"{path} is no recording: it has no array NAME with its instants NAME.time")
+        head = RecordingHead("", "", "", ports)
+
+    def read(positions: Sequence[int]) -> Iterator[Sequence[Block]]:
+        found = []
+        for position in positions:
+            name = head.ports[position].name
+            instants = numpy.round(archive[f"{name}.time"] * 1e9).astype(numpy.int64)
+            found.append(Block(position, instants, archive[name]))
+        yield [block for block in found if len(block.time)]
+
+    last = max((int(block.time[-1]) for part in read(range(len(head.ports))) for block in part), default=0)
+    return StoredRecording(path, "archive of numpy", head, read, True, ended, time if typed else last, typed)
+
+
+def _of_dtype(kind: Any, path: str, name: str) -> Type:
+    if kind.kind == "b":
+        return BOOL
+    if kind.kind in "iu":
+        return INT
+    if kind.kind == "f":
+        return DOUBLE
+    raise RecordingError(f"{path} does not say of what type {name} is")
+
+
+def open_table(path: str, ports: Sequence[RecordedPort] | None = None) -> StoredRecording:
+    """The recording in a table. Its columns are those of ``ports``, or each is a port, whose type is that of its cells.
+
+    Raises RecordingError, with the line that is wrong, and OSError.
+    """
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            columns = next(csv.reader(file), [])
+            kinds = _guessed(file, columns) if ports is None else {}
+    except (UnicodeDecodeError, csv.Error) as problem:
+        raise RecordingError(f"{path} is no table: {problem}") from None
+    if not columns or columns[0] != "time":
+        raise RecordingError(f"{path}:1: is no recording: the first column of a recording is `time`")
+    if ports is None:
+        ports = [RecordedPort(name, kinds[name], "in") for name in columns[1:]]
+    known = [port for port in ports if all(name in columns for name, _, _ in leaves(port.name, port.type))]
+    head = RecordingHead("", "", "", tuple(known))
+    reader = _Table(path, columns, head)
+    last = 0
+    for part in reader.rows():
+        last = part[-1][0]
+    return StoredRecording(path, "table", head, reader.read, True, "", last, typed=False)
+
+
+def _guessed(file: Any, columns: Sequence[str]) -> dict[str, Type]:
+    kinds: dict[str, Type] = {}
+    names: dict[str, dict[str, None]] = {}
+    for row in csv.reader(line for line in file if line.endswith("\n")):
+        for name, cell in zip(columns, row, strict=False):
+            if not cell or isinstance(kinds.get(name), RealType | EnumType):
+                if cell and name in names:
+                    names[name].setdefault(cell)
+                continue
+            if cell in ("true", "false"):
+                kinds[name] = BOOL
+            elif cell.lstrip("-").isdigit():
+                kinds.setdefault(name, INT)
+            else:
+                try:
+                    float(cell)
+                    kinds[name] = DOUBLE
+                except ValueError:
+                    names.setdefault(name, {}).setdefault(cell)
+                    kinds[name] = EnumType(name, ())
+    return {name: EnumType(name, tuple(names[name])) if name in names else kinds.get(name, DOUBLE) for name in columns}
+
+
+class _Table:
+    """Rows of a table that are values: a cell that differs from the one above it is a new one; of a sampled port every
+    tick has one.
+    """
+
+    def __init__(self, path: str, columns: Sequence[str], head: RecordingHead) -> None:
+        self._path = path
+        self._columns = list(columns)
+        self._head = head
+
+    def rows(self) -> Iterator[list[tuple[int, list[str]]]]:
+        """Instants and cells, part by part. A last row that was cut is left out."""
+        part: list[tuple[int, list[str]]] = []
+        width = len(self._columns)
+        with open(self._path, newline="", encoding="utf-8") as file:
+            next(file)
+            for number, line in enumerate(file, 2):
+                if not line.endswith("\n"):
+                    break  # The process was killed while it was written.
+                cells = next(csv.reader([line]))
+                try:
+                    if len(cells) != width:
+                        raise ValueError(f"{len(cells)} cells, and there are {width} columns")
+                    part.append((round(float(cells[0]) * 1e9), cells))
+                except ValueError as problem:
+                    raise RecordingError(f"{self._path}:{number}: is no row of a recording: {problem}") from None
+                if len(part) == _ROWS:
+                    yield part
+                    part = []
+        if part:
+            yield part
+
+    def read(self, positions: Sequence[int]) -> Iterator[Sequence[Block]]:
+        """See ``StoredRecording.read``."""
+        last: dict[int, list[str]] = {}
+        for part in self.rows():
+            found = []
+            for position in positions:
+                block = self._block(position, part, last)
+                if len(block.time):
+                    found.append(block)
+            yield found
+
+    def _block(self, position: int, part: list[tuple[int, list[str]]], last: dict[int, list[str]]) -> Block:
+        import numpy
+
+        port = self._head.ports[position]
+        own = [(self._columns.index(name), kind) for name, kind, _ in leaves(port.name, port.type)]
+        times, kept = [], []
+        before = last.get(position)
+        for time, cells in part:
+            present = [cells[column] for column, _ in own]
+            is_tick = port.period > 0 and (time - port.offset) % port.period == 0
+            if all(present) and (present != before or (is_tick and port.direction == "in")):
+                times.append(time)
+                kept.append(present)
+            before = present
+        if before is not None:
+            last[position] = before
+        try:
+            numbers = [numpy.array([_number(cells[at], kind) for cells in kept]) for at, (_, kind) in enumerate(own)]
+        except ValueError as problem:
+            raise RecordingError(f"{self._path}: column {port.name} is no {port.type}: {problem}") from None
+        return Block(position, numpy.array(times, numpy.int64), assembled(numbers, port.type, len(kept)))
+
+
+def _number(cell: str, kind: Type) -> Any:
+    match kind:
+        case BoolType():
+            if cell not in ("true", "false"):
+                raise ValueError(f"{cell!r} is neither true nor false")
+            return cell == "true"
+        case EnumType(literals=literals):
+            if cell not in literals:
+                raise ValueError(f"{cell!r} is none of {', '.join(literals)}")
+            return literals.index(cell)
+        case RealType():
+            return float(cell)
+        case IntType() | TimeType():
+            return int(cell)
+        case StructType() | ArrayType() | TextType() | UnknownType():
+            raise ValueError(f"{kind} is not one number")
+
+
+def open_parquet(path: str) -> StoredRecording:
+    """The recording in a Parquet file. Raises RecordingError, MissingPackageError, and OSError."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise missing_package("pyarrow", "parquet") from None
+    try:
+        file = parquet.ParquetFile(path)
+        about = json.loads((file.schema_arrow.metadata or {})[b"cspdiag"])
+        head = head_from(about["cspdiag"])
+    except pyarrow.ArrowInvalid as problem:
+        raise RecordingError(f"{path} is no Parquet file, or was cut: {problem}") from None
+    except (KeyError, ValueError, TypeError):
+        raise RecordingError(f"{path} is not a recording of cspdiag: it does not say what its signals are") from None
+
+    def read(positions: Sequence[int]) -> Iterator[Sequence[Block]]:
+        for batch in parquet.ParquetFile(path).iter_batches(_ROWS):
+            found = [_of_batch(batch, position, head.ports[position]) for position in positions]
+            yield [block for block in found if len(block.time)]
+
+    return StoredRecording(path, "Parquet", head, read, True, about["ended"], about["time"])
+
+
+def _of_batch(batch: Any, position: int, port: RecordedPort) -> Block:
+    import numpy
+
+    time = batch.column("time").to_numpy()
+    own = [(batch.column(name), kind) for name, kind, _ in leaves(port.name, port.type)]
+    there: numpy.ndarray = numpy.ones(len(time), bool)
+    for array, _ in own:
+        there &= array.is_valid().to_numpy(zero_copy_only=False)
+    numbers = []
+    for array, kind in own:
+        chosen = array.drop_null()
+        if isinstance(kind, EnumType):
+            numbers.append([kind.literals.index(name) for name in chosen.to_pylist()])
+        else:
+            numbers.append(chosen.to_numpy(zero_copy_only=False))
+    return Block(position, time[there], assembled(numbers, port.type, int(there.sum())))
