@@ -7,10 +7,12 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
+from cspdiag.base.record import record
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
 from cspdiag.cli.support.numbers import add_real
+from cspdiag.cli.support.runs.given_inputs import given_inputs, limited
 from cspdiag.cli.support.runs.recorded import opened_recording, recording_path, require_recording
 from cspdiag.cli.support.terminal import say, show_diagnostics
 
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from cspdiag.pipeline import Built
     from cspdiag.simulate.native.run import NativeProgram, Observed
     from cspdiag.simulate.record.recorder import Recorder
+    from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.record.streamed.recording import Recording
     from cspdiag.simulate.result import Run
 
@@ -29,6 +32,17 @@ EXAMPLE = (
     "cspdiag run models/jiwy/jiwy.csp --set Tsh=10ms --set pan.inertia=2e-3\n"
     "cspdiag run models/dining/deadlock.csp --replay trace.json"
 )
+
+
+@record
+class Given:
+    """Where a run takes its inputs from, and where its values go, if that was asked for."""
+
+    recording: Recording | None
+    inputs: RecordedInputs | None
+
+    __hash__ = object.__hash__
+
 
 _ENDINGS = {
     "trace": (".json", ".jsonl"),
@@ -79,6 +93,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="the external ports over time, as .csv, .npz, .mcap or .parquet; with a / at its end a ROS 2 bag folder",
     )  # fmt: skip
     parser.add_argument(
+        "--inputs", metavar="FILE", help="take the inputs from a recording instead of the environment, to its end"
+    )
+    parser.add_argument(
         "--messages", choices=("ros2", "json"), default="ros2",
         help="what an .mcap file consists of: messages of ROS 2, exact and fast, or JSON (default: ros2)",
     )  # fmt: skip
@@ -114,6 +131,8 @@ def run(arguments: Namespace) -> int:
         require_file(f"--{option}", getattr(arguments, option), endings)
     require_recording(arguments.record)
     outputs = ("record", *_ENDINGS, "draw-deadlock")
+    if arguments.inputs is not None:
+        require_different({"--inputs": arguments.inputs, "--record": arguments.record})
     named = {f"--{option}": getattr(arguments, option.replace("-", "_")) for option in outputs}
     require_different({"the program": arguments.file, **named})
     if arguments.plot is not None:
@@ -210,18 +229,20 @@ def _recorded(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
     from cspdiag.simulate.run.execute import NoEnvironmentError
 
     try:
+        inputs = given_inputs(arguments, network)
+        until = limited(until, inputs)
         recording = opened_recording(arguments, network)
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
     try:
-        return _simulate(arguments, network, until, recording), recording
+        return _simulate(arguments, network, until, Given(recording, inputs)), recording
     except BaseException:
         if recording is not None:
             recording.discard()
         raise
 
 
-def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, recording: Recording | None) -> Run:
+def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, given: Given) -> Run:
     from cspdiag.cli.support.runs.endless import EndlessRun
     from cspdiag.cli.support.runs.progress import Progress
     from cspdiag.cli.support.runs.standstill import Standstill
@@ -240,7 +261,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, rec
         with endless or nullcontext():
             if endless is not None:
                 endless.attach()
-            return _simulate_on_reference(arguments, network, until, recorder, recording)
+            return _simulate_on_reference(arguments, network, until, recorder, given)
     simulate = _SIMULATIONS[arguments.target]
     progress = None
     if not arguments.quiet:
@@ -257,7 +278,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, rec
 
     try:
         with progress or nullcontext(), standstill or nullcontext(), endless or nullcontext():
-            return simulate(arguments, network, until, recorder, recording, attach)
+            return simulate(arguments, network, until, recorder, given, attach)
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
     except (BodyError, CompilerError, target_errors()) as problem:
@@ -274,13 +295,20 @@ def _recorded_ports(arguments: Namespace, network: CoreNetwork) -> dict[str, Typ
 
 
 def _simulate_on_reference(
-    arguments: Namespace, network: CoreNetwork, until: int | None, recorder: Recorder, recording: Recording | None
+    arguments: Namespace, network: CoreNetwork, until: int | None, recorder: Recorder, given: Given
 ) -> Run:
     from cspdiag.simulate.run.execute import NoEnvironmentError
     from cspdiag.simulate.run.reference import NoMeaningError, simulate
 
     try:
-        return simulate(network, environment=arguments.environment, until=until, recorder=recorder, recording=recording)
+        return simulate(
+            network,
+            environment=arguments.environment,
+            until=until,
+            recorder=recorder,
+            recording=given.recording,
+            inputs=given.inputs,
+        )
     except (NoEnvironmentError, NoMeaningError) as problem:
         raise UsageError(str(problem)) from None
 
@@ -290,7 +318,7 @@ def _simulate_in_python(
     network: CoreNetwork,
     until: int | None,
     recorder: Recorder,
-    recording: Recording | None,
+    given: Given,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
     from cspdiag import pipeline
@@ -317,7 +345,8 @@ def _simulate_in_python(
         probe_variables=arguments.plot is not None,
         measured=_is_measured(arguments),
         on_start=lambda network: on_start(ProgramInThread(network)),
-        recording=recording,
+        recording=given.recording,
+        inputs=given.inputs,
     )
 
 
@@ -326,7 +355,7 @@ def _simulate_native(
     network: CoreNetwork,
     until: int | None,
     recorder: Recorder,
-    recording: Recording | None,
+    given: Given,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
     from cspdiag.simulate.native.boards import BOARDS
@@ -344,7 +373,8 @@ def _simulate_native(
         observed=_observed(arguments),
         measured=_is_measured(arguments),
         board=None if arguments.on is None else BOARDS[arguments.on],
-        recording=recording,
+        recording=given.recording,
+        inputs=given.inputs,
     )
 
 
@@ -353,7 +383,7 @@ def _simulate_on_either(
     network: CoreNetwork,
     until: int | None,
     recorder: Recorder,
-    recording: Recording | None,
+    given: Given,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
     from cspdiag.simulate.native.choice import NotNative, native_if_possible, run_either
@@ -367,13 +397,19 @@ def _simulate_on_either(
             environment=arguments.environment,
             real_time=arguments.real_time,
             measured=_is_measured(arguments),
+            inputs=given.inputs,
         )
     return run_either(
         program,
         lambda program: program.run(
-            until=until, recorder=recorder, on_start=on_start, observed=_observed(arguments), recording=recording
+            until=until,
+            recorder=recorder,
+            on_start=on_start,
+            observed=_observed(arguments),
+            recording=given.recording,
+            inputs=given.inputs,
         ),
-        lambda: _simulate_in_python(arguments, network, until, recorder, recording, on_start),
+        lambda: _simulate_in_python(arguments, network, until, recorder, given, on_start),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from cspdiag.base.record import record
 from cspdiag.codegen import target_errors
@@ -12,6 +12,9 @@ from cspdiag.pipeline import Reader
 from cspdiag.simulate.native.build import CompilerError
 from cspdiag.simulate.native.run import NativeProgram, build_program
 from cspdiag.simulate.result import Run
+
+if TYPE_CHECKING:
+    from cspdiag.simulate.record.stored.inputs import RecordedInputs
 
 _AS_NATIVE: Final = "as a native program"
 
@@ -31,6 +34,7 @@ def native_if_possible(
     environment: str | None,
     real_time: bool = False,
     measured: bool = False,
+    inputs: RecordedInputs | None = None,
 ) -> NativeProgram | NotNative:
     """The native program, or why there is none: no C compiler, bodies and devices in Python, what C cannot express.
 
@@ -38,7 +42,7 @@ def native_if_possible(
     """
     try:
         return build_program(
-            network, read, level=level, environment=environment, real_time=real_time, measured=measured
+            network, read, level=level, environment=environment, real_time=real_time, measured=measured, inputs=inputs
         )
     except (CompilerError, target_errors()) as problem:
         return NotNative(str(problem).partition("\n")[0])

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from io import BufferedIOBase
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Literal
 
 from cspdiag.base.record import record
@@ -21,6 +22,7 @@ from cspdiag.simulate.deadlock.report import deadlock_report
 from cspdiag.simulate.native.boards import Board
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.monitor import ProgramMonitor
+from cspdiag.simulate.native.recorded_inputs import VARIABLE, with_recorded_inputs, write_inputs
 from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import PassedRows
 from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader
@@ -32,6 +34,7 @@ from cspdiag.simulate.run.execute import chosen_environment
 if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
     from cspdiag.runtime.outcome import Ending
+    from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.record.streamed.recording import Recording
 
 Observed = Literal["all", "ports", "signals", "none"]
@@ -77,13 +80,16 @@ def simulate(
     board: Board | None = None,
     options: tuple[str, ...] = ("-O2",),
     recording: Recording | None = None,
+    inputs: RecordedInputs | None = None,
 ) -> Run:
     """Generate, build and run a program; see ``build_program`` and ``NativeProgram.run``."""
     program = build_program(
         network, read, level=level, environment=environment, real_time=real_time, fused=fused, measured=measured,
-        board=board, options=options,
+        board=board, options=options, inputs=inputs,
     )  # fmt: skip
-    return program.run(until=until, recorder=recorder, on_start=on_start, observed=observed, recording=recording)
+    return program.run(
+        until=until, recorder=recorder, on_start=on_start, observed=observed, recording=recording, inputs=inputs
+    )
 
 
 def build_program(
@@ -98,14 +104,15 @@ def build_program(
     board: Board | None = None,
     options: tuple[str, ...] = ("-O2",),
     replaced: Mapping[str, str] | None = None,
+    inputs: RecordedInputs | None = None,
 ) -> NativeProgram:
     """Generate and build a program; ``real_time`` makes it run against the clock of a POSIX system, ``board`` on that
     board instead of this machine, in virtual time.
 
     With ``measured`` the recorder gets the longest step of each process. ``fused`` programs run processes as one where
     that is possible, and do not report when each starts and ends. ``replaced`` are files of the package, by path, that
-    get other texts. Raises NoEnvironmentError, TargetError for what C
-    cannot express, and CompilerError.
+    get other texts. With ``inputs``, which each run has to be given, the environment gives those. Raises
+    NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
     if chosen is not None:
@@ -114,6 +121,8 @@ def build_program(
         if board is not None:
             board.require_tools()
         files = {**generate(network, read, "c", level, observed=not fused), NAMES: NO_NAMES, **(replaced or {})}
+        if inputs is not None and chosen is not None:
+            files = with_recorded_inputs(files, chosen.name, inputs)
         path = Build(
             files,
             _chosen_sources(files, real_time, board),
@@ -145,6 +154,7 @@ class NativeProgram:
         on_start: Callable[[NativeRun], None] | None = None,
         observed: Observed = "all",
         recording: Recording | None = None,
+        inputs: RecordedInputs | None = None,
     ) -> Run:
         """Run it; ``until`` is a time limit in nanoseconds. ``recording`` is given the values of the external ports
         while the run continues; the caller finishes it. With ``observed="signals"`` they are not kept besides.
@@ -162,7 +172,8 @@ class NativeProgram:
         passed: PassedRows | RecordedRows | None = kept
         if kept is not None and recording is not None:
             passed = RecordedRows(self.network, recording, None if observed == "signals" else kept)
-        outcome = _run(self, words, recorder, passed, on_start)
+        with _variables(inputs) as variables:
+            outcome = _run(self, words, variables, recorder, passed, on_start)
         if isinstance(passed, RecordedRows):
             passed.hand_over()
         return Run(self.network, self.environment, outcome, recorder, passed)
@@ -183,7 +194,7 @@ def _chosen_sources(files: Iterable[str], real_time: bool, board: Board | None =
 
 @contextmanager
 def _started(
-    program: NativeProgram, words: list[str], monitor: ProgramMonitor
+    program: NativeProgram, words: list[str], variables: Mapping[str, str], monitor: ProgramMonitor
 ) -> Iterator[tuple[subprocess.Popen[bytes], BufferedIOBase]]:
     """The program as a process, and what it writes. It has a session of its own: Ctrl-C reaches this process, which
     forwards it once, so outputs are released and everything is reported.
@@ -198,6 +209,7 @@ def _started(
         try:
             running = subprocess.Popen(
                 command,
+                env={**os.environ, **variables},
                 stdin=subprocess.DEVNULL if on_board else None,
                 stdout=subprocess.DEVNULL if on_board else writing,
                 # Against the clock the program itself reports how late it met the instants.
@@ -211,9 +223,22 @@ def _started(
             yield running, stream
 
 
+@contextmanager
+def _variables(inputs: RecordedInputs | None) -> Iterator[Mapping[str, str]]:
+    """The environment variables of a program with these inputs, which are in a file as long as it runs."""
+    if inputs is None:
+        yield {}
+        return
+    with NamedTemporaryFile(prefix="cspdiag-", suffix=".inputs") as file:
+        write_inputs(inputs, file.file)
+        file.flush()
+        yield {VARIABLE: file.name}
+
+
 def _run(
     program: NativeProgram,
     words: list[str],
+    variables: Mapping[str, str],
     recorder: Recorder,
     passed: PassedRows | RecordedRows | None,
     on_start: Callable[[NativeRun], None] | None,
@@ -221,7 +246,7 @@ def _run(
     with (
         stopping,
         ProgramMonitor() as monitor,
-        _started(program, words, monitor) as (running, stream),
+        _started(program, words, variables, monitor) as (running, stream),
         Supervisor(running) as supervisor,
     ):
         monitor.started()

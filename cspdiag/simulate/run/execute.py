@@ -22,6 +22,7 @@ from cspdiag.simulate.run.probes import probe
 if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
     from cspdiag.runtime.deadlock import WaitingProcess
+    from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.record.streamed.recording import Recording
 
 
@@ -69,14 +70,16 @@ def simulate(
     measured: bool = False,
     on_start: Callable[[RunningNetwork], None] | None = None,
     recording: Recording | None = None,
+    inputs: RecordedInputs | None = None,
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
     ``until`` is a time limit in nanoseconds. ``recording`` is given the values of the external ports while the run goes
-    on; the caller finishes it. ``probe_variables`` also records the values of variables that have a unit,
-    ``measured`` how long laws compute. ``on_start`` is passed the running network, whose ``now`` is the present
-    instant. Signals and what the program raises end the run with an outcome, not with an exception. Raises
-    NoEnvironmentError and BodyError, and Stopped if a signal arrives before the run.
+    on; the caller finishes it. ``inputs``: what the environment gives instead of what it computes. ``probe_variables``
+    also records the values of variables that have a unit, ``measured`` how long laws compute. ``on_start`` is passed
+    the running network, whose ``now`` is the present instant. Signals and what the program raises end the run with an
+    outcome, not with an exception. Raises NoEnvironmentError and BodyError, and Stopped if a signal arrives before the
+    run.
     """
     chosen = chosen_environment(network, environment)
     recorder = recorder if recorder is not None else Recorder()
@@ -90,6 +93,10 @@ def simulate(
             if not bodies(network) or stopping.ends_run(problem):
                 raise
             raise BodyError(account_of(problem)) from problem
+        if inputs is not None and plant is not None:
+            from cspdiag.simulate.record.stored.inputs import replace_environment
+
+            replace_environment(plant, inputs)
         if probe_variables:
             probe(running, network, recorder)
         if measured:

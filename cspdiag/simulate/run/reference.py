@@ -17,11 +17,13 @@ from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Execution
 from cspdiag.simulate.deadlock.report import deadlock_report
 from cspdiag.simulate.record.recorder import Recorder
+from cspdiag.simulate.record.stored.inputs import replace_plant
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import chosen_environment, noted
 from cspdiag.simulate.run.whereabouts import Whereabouts
 
 if TYPE_CHECKING:
+    from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.record.streamed.recording import Recording
 
 _ENDINGS: dict[str, Ending] = {
@@ -43,6 +45,7 @@ def simulate(
     until: int | None,
     recorder: Recorder,
     recording: Recording | None = None,
+    inputs: RecordedInputs | None = None,
 ) -> Run:
     """Run a network in virtual time, up to ``until`` nanoseconds.
 
@@ -56,6 +59,8 @@ def simulate(
 
     def make(*arguments: object, **named: object) -> Scheduler:
         worlds.append(Scheduler(*arguments, **named))  # type: ignore[arg-type]
+        if inputs is not None and worlds[0].outside is not None:
+            replace_plant(worlds[0].outside, inputs)
         watching.enter_context(noted(recorder, recording, worlds[0].outside))
         return worlds[0]
 

@@ -1,0 +1,58 @@
+"""The recording that a run takes its inputs from."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.support.failure import NoResultError, UsageError, described
+from cspdiag.cli.support.terminal import say
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir.network import CoreNetwork
+    from cspdiag.simulate.record.stored.inputs import RecordedInputs
+
+
+def given_inputs(arguments: Namespace, network: CoreNetwork) -> RecordedInputs | None:
+    """The inputs from ``--inputs``; None without it. Raises UsageError, NoResultError and NoEnvironmentError."""
+    if arguments.inputs is None:
+        return None
+    for option in ("real_time", "on"):
+        if getattr(arguments, option):
+            raise UsageError(f"--inputs is not for --{option.replace('_', '-')}: a recording has its own time")
+    from cspdiag.base.errors import MissingPackageError
+    from cspdiag.runtime.kernel.durations import shown
+    from cspdiag.simulate.record.stored.described import head_of
+    from cspdiag.simulate.record.stored.inputs import InputsError, recorded_inputs
+    from cspdiag.simulate.record.stored.open_recording import open_recording
+    from cspdiag.simulate.record.stored.recording import RecordingError
+    from cspdiag.simulate.run.execute import chosen_environment
+
+    environment = chosen_environment(network, arguments.environment)
+    if environment is None:
+        raise UsageError("--inputs is for programs with an environment")
+    if environment.drivers:
+        raise UsageError(f"--inputs: {environment.name} has devices; choose an environment that is only simulated")
+    try:
+        recording = open_recording(arguments.inputs, head_of(network, environment).ports)
+        inputs = recorded_inputs(network, environment, recording)
+    except MissingPackageError as problem:
+        raise UsageError(str(problem)) from None
+    except (InputsError, RecordingError) as problem:
+        raise NoResultError(f"--inputs {problem}") from None
+    except OSError as problem:
+        raise UsageError(f"--inputs {described(problem)}") from None
+    if not recording.whole and not arguments.quiet:
+        say(f"cspdiag: {arguments.inputs} was cut off: its inputs end at {shown(recording.time)}")
+    return inputs
+
+
+def limited(until: int | None, inputs: RecordedInputs | None) -> int | None:
+    """The time limit, not later than the end of the inputs. Raises UsageError if it was to be later."""
+    if inputs is None:
+        return until
+    from cspdiag.runtime.kernel.durations import shown
+
+    if until is not None and until > inputs.end:
+        raise UsageError(f"--inputs {inputs.recording.path} ends at {shown(inputs.end)}, before --for {shown(until)}")
+    return inputs.end if until is None else until
