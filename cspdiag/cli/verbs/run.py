@@ -13,7 +13,7 @@ from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
 from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.runs.given_inputs import given_inputs, limited
-from cspdiag.cli.support.runs.recorded import opened_recording, recording_path, require_recording
+from cspdiag.cli.support.runs.recorded import opened_recording, recording_path, require_recording, socket_place
 from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
@@ -91,6 +91,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--record", type=recording_path, metavar="FILE",
         help="the external ports over time, as .csv, .npz, .mcap or .parquet; with a / at its end a ROS 2 bag folder",
+    )  # fmt: skip
+    parser.add_argument(
+        "--serve", type=socket_place, nargs="?", const=("127.0.0.1", 8765), metavar="PORT",
+        help="show the external ports to Foxglove and PlotJuggler over a WebSocket (default: 8765, this machine only)",
     )  # fmt: skip
     parser.add_argument(
         "--inputs", metavar="FILE", help="take the inputs from a recording instead of the environment, to its end"
@@ -252,7 +256,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, giv
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
 
-    outputs = (arguments.record, arguments.trace, arguments.plot)
+    outputs = (arguments.record, arguments.serve, arguments.trace, arguments.plot)
     recorder = Recorder(
         communications=any(path is not None for path in outputs), ports=_recorded_ports(arguments, network)
     )
@@ -287,7 +291,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, giv
 
 def _recorded_ports(arguments: Namespace, network: CoreNetwork) -> dict[str, Type] | None:
     """The external ports, if nothing but their recording is wanted of a run of generated code."""
-    if arguments.record is None or arguments.trace is not None or arguments.plot is not None:
+    if not _is_recorded(arguments) or arguments.trace is not None or arguments.plot is not None:
         return None
     if arguments.level == "reference":
         return None
@@ -422,7 +426,12 @@ def _observed(arguments: Namespace) -> Observed:
         return "all"
     if arguments.plot is not None:
         return "ports"
-    return "none" if arguments.record is None else "signals"
+    return "signals" if _is_recorded(arguments) else "none"
+
+
+def _is_recorded(arguments: Namespace) -> bool:
+    """Whether the values of the ports go to a file or to a client."""
+    return arguments.record is not None or arguments.serve is not None
 
 
 def _is_measured(arguments: Namespace) -> bool:

@@ -56,7 +56,9 @@ def conclude(arguments: Namespace, result: Run, checked: Checked, recording: Rec
 def _requested_files(
     arguments: Namespace, result: Run, program: Program | None, recording: Recording | None
 ) -> Iterator[tuple[Path | str, _Writer]]:
-    if recording is not None:
+    if recording is not None and arguments.record is None:
+        _finish(recording, result)
+    elif recording is not None:
         yield arguments.record, lambda _: _finish(recording, result)
     if arguments.trace is not None:
         yield arguments.trace, result.to_trace

@@ -12,6 +12,8 @@ from cspdiag.cli.support.terminal import say
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import CoreNetwork
+    from cspdiag.simulate.record.stored.described import RecordingHead
+    from cspdiag.simulate.record.streamed.foxglove_socket import FoxgloveSocket
     from cspdiag.simulate.record.streamed.recording import Recording
 
 
@@ -52,7 +54,7 @@ def require_recording(name: str | None, option: str = "--record") -> None:
 
 def opened_recording(arguments: Namespace, network: CoreNetwork) -> Recording | None:
     """The recording of a run; None if there is to be none. Raises UsageError, and NoEnvironmentError."""
-    if arguments.record is None:
+    if arguments.record is None and arguments.serve is None:
         return None
     from cspdiag.simulate.record.stored.described import head_of
     from cspdiag.simulate.record.streamed.formats import open_writer, part_of
@@ -60,7 +62,11 @@ def opened_recording(arguments: Namespace, network: CoreNetwork) -> Recording | 
     from cspdiag.simulate.run.execute import chosen_environment
 
     head = head_of(network, chosen_environment(network, arguments.environment))
-    name: str = arguments.record
+    name: str | None = arguments.record
+    background = arguments.real_time and arguments.target != "c"
+    listener = None if arguments.serve is None else _served(arguments.serve, head)
+    if name is None:
+        return Recording(head, None, on_problem=lambda *_: None, listener=listener, background=background)
 
     def tell(problem: OSError, until: int) -> None:
         named = OSError(problem.errno, problem.strerror or str(problem), name)
@@ -71,5 +77,30 @@ def opened_recording(arguments: Namespace, network: CoreNetwork) -> Recording | 
     try:
         writer = open_writer(name, head, arguments.messages)
     except OSError as problem:
+        if listener is not None:
+            listener.close()
         raise UsageError(described(OSError(problem.errno, problem.strerror, name))) from None
-    return Recording(head, writer, on_problem=tell, background=arguments.real_time and arguments.target == "python")
+    return Recording(head, writer, on_problem=tell, listener=listener, background=background)
+
+
+def socket_place(text: str) -> tuple[str, int]:
+    """Where to listen: a port of this machine, or ``HOST:PORT``."""
+    host, colon, number = text.rpartition(":")
+    if not (number.isdecimal() and int(number) < 1 << 16) or (colon and not host):
+        raise ArgumentTypeError(f"expected a port, or HOST:PORT, not {text!r}")
+    return host or "127.0.0.1", int(number)
+
+
+def _served(place: tuple[str, int], head: RecordingHead) -> FoxgloveSocket:
+    from cspdiag.base.errors import MissingPackageError
+    from cspdiag.simulate.record.streamed.foxglove_socket import FoxgloveSocket
+
+    host, port = place
+    try:
+        socket = FoxgloveSocket(head, host, port)
+    except MissingPackageError as problem:
+        raise UsageError(f"--serve: {problem}") from None
+    except (OSError, RuntimeError) as problem:
+        raise UsageError(f"--serve {host}:{port}: {problem}") from None
+    say(f"cspdiag: Foxglove and PlotJuggler can connect to ws://{host}:{socket.port}")
+    return socket

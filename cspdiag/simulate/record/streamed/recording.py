@@ -35,7 +35,11 @@ class Listener(Protocol):
     """Who else is shown what is recorded, while it is."""
 
     def show(self, blocks: Sequence[Block]) -> None:
-        """Values of some time; returns at once."""
+        """Values of some time; returns without waiting for anybody."""
+        ...
+
+    def close(self) -> None:
+        """The run is over."""
         ...
 
 
@@ -66,7 +70,7 @@ class Recording:
         self._on_problem = on_problem
         self._pending = Pending(len(head.ports))
         self._written = 0
-        self._thread = _Thread(self._write) if background and writer is not None else None
+        self._thread = _Thread(self._write) if background else None
 
     def add(self, channel: str, time: numpy.ndarray, value: numpy.ndarray) -> None:
         """Values of a port, in order: instants in nanoseconds and an array of the type of the port."""
@@ -84,8 +88,6 @@ class Recording:
         blocks = self._pending.before(before)
         if not blocks:
             return
-        if self._listener is not None:
-            self._listener.show(blocks)
         if self._thread is not None:
             try:
                 self._thread.put(blocks)
@@ -95,6 +97,8 @@ class Recording:
             self._write(blocks)
 
     def _write(self, blocks: Sequence[Block]) -> None:
+        if self._listener is not None:
+            self._listener.show(blocks)
         if self._writer is None or self.problem is not None:
             return
         try:
@@ -105,7 +109,7 @@ class Recording:
             self._written = max(int(block.time[-1]) for block in blocks)
 
     def _fail(self, problem: OSError) -> None:
-        if self.problem is None:
+        if self._writer is not None and self.problem is None:
             self.problem = problem
             self._on_problem(problem, self._written)
 
@@ -125,6 +129,8 @@ class Recording:
         self.pass_time(None)
         if self._thread is not None:
             self._thread.end()
+        if self._listener is not None:
+            self._listener.close()
         if self._writer is None:
             return
         if self.problem is None:
@@ -139,6 +145,8 @@ class Recording:
         """There was no run: leave no file."""
         if self._thread is not None:
             self._thread.end()
+        if self._listener is not None:
+            self._listener.close()
         if self._writer is not None:
             self._writer.discard()
 
