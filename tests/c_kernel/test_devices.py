@@ -18,7 +18,7 @@ from typing import NamedTuple
 import pytest
 
 from cspdiag import pipeline
-from tests.c_kernel.building import HERE, STRICT, SUPPORT, need, run
+from tests.c_kernel.building import HERE, STRICT, need, run
 from tests.conformance.sources import network_of, read
 
 DEVICES = HERE / "devices"
@@ -56,7 +56,7 @@ def built(folder: Path, program: Path, main: Path, *options: str) -> Path:
     hosted = ("csp_port_", "csp_simulation", "csp_stream", "main_")
     sources = [file for file in sorted(folder.rglob("*.c")) if not file.name.startswith(hosted)]
     flags = (*STRICT, "-O1", *options, "-DCSP_TRACE=0", f"-I{folder}", f"-I{folder / 'support'}")
-    port = SUPPORT / "csp_port_posix.c"
+    port = folder / "support" / "csp_port_posix.c"
     run("gcc", *flags, *sources, port, main, "-lm", "-pthread", "-o", folder / "program")
     return folder / "program"
 

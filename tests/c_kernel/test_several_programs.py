@@ -20,7 +20,14 @@ from cspdiag.codegen.options import FRAMEWORKS
 from tests.c_kernel.building import need, run
 from tests.conformance.sources import network_of, read
 
-PROGRAM = """submodel Valve c "valve.c" {{
+PROGRAM = """enum Lamp {{ off, lit }}
+
+struct Position {{
+  opening : double
+  lamps : Lamp[2]
+}}
+
+submodel Valve c "valve.c" {{
   in level : double
   out opening : double
 }}
@@ -37,7 +44,7 @@ process Tank {{
   in level : double @ {period} ms
   in button : bool
   out opening : double @ {period} ms safe -{weight}
-  out lamp : bool
+  out lamp : Position
   communication {{
     valve : Valve
     slow : Slow
@@ -47,7 +54,7 @@ process Tank {{
     slow.y -> opening
   }}
   composition {{
-    (mu (valve ; slow)) interrupt button ? pressed -> lamp ! pressed
+    (mu (valve ; slow)) interrupt button ? pressed -> lamp ! Position(opening = 1, lamps = [Lamp.lit, Lamp.off])
   }}
 }}
 """
@@ -116,7 +123,8 @@ static void actuate(void *context, {name}_output output, const {name}_outputs *o
 {{
     (void)context;
     (void)output;
-    (void)printf("{name} %lld %.17g %d %d\\n", (long long)reached, outputs->opening, outputs->lamp, safe);
+    (void)printf("{name} %lld %.17g %d %d\\n", (long long)reached,
+        outputs->opening, (int)outputs->lamp.lamps.at[0], safe);
 }}
 
 static uint32_t lock(void *context)
@@ -233,8 +241,8 @@ def test_libraries_of_three_programs_link_in_any_order(framework: str, tmp_path:
     """
     need("gcc", "make", "ar", "nm")
     names, libraries, folders = tuple(VERSIONS), {}, []
-    for level, name in enumerate(names):
-        folder = package(name, tmp_path, framework, level % 2)
+    for number, name in enumerate(names):
+        folder = package(name, tmp_path, framework, number % 2)
         libraries[name] = tmp_path / f"lib{name}.a"
         if framework:
             objects = folder / "objects"
@@ -253,6 +261,9 @@ def test_libraries_of_three_programs_link_in_any_order(framework: str, tmp_path:
         images.append(tmp_path / f"application{number}")
         run("gcc", "-std=c99", *folders, *sources, *whole, "-lm", "-o", images[-1])
     compare(images, names)
+    (tmp_path / "all.cpp").write_text("".join(f'#include "{name}_api.h"\n' for name in names))
+    for compiler in (["gcc", "-std=c99", "-xc"], ["g++", "-std=c++11"] if shutil.which("g++") else ["gcc", "-xc"]):
+        run(*compiler, "-Wall", "-Wextra", "-Wpedantic", "-Werror", *folders, "-fsyntax-only", tmp_path / "all.cpp")
 
 
 def test_two_versions_of_a_program_are_found_by_cmake(tmp_path: Path) -> None:

@@ -33,7 +33,7 @@ static void on_timer(void)
     TIMER_CLEAR = 1U;
     presses++;
     if (presses <= 2) {
-        (void)emergency_panel(spindle, (presses == 1) ? BUTTON_START : BUTTON_EMERGENCY);
+        (void)emergency_panel(spindle, (presses == 1) ? EMERGENCY_BUTTON_START : EMERGENCY_BUTTON_EMERGENCY);
     } else {
         TIMER_CONTROL = 0U;
     }

@@ -12,18 +12,12 @@ from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.text.code import Aggregate, Code, code
 from cspdiag.codegen.c.text.documents import comment
-from cspdiag.codegen.c.text.names import Names, PackageNames, library_name
+from cspdiag.codegen.c.text.names import Names, PackageNames
 from cspdiag.codegen.c.text.statements import Block, Statement, define, lines, signature
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.render import Render
 from cspdiag.model.types import ArrayType, EnumType, StructType
 from cspdiag.network.ir.network import ExternalPort, Network
-
-_FUNCTIONS = (
-    *("advance", "begin", "calculate", "continues", "describe", "finish", "hooks", "initialize", "input", "inputs"),
-    *("instance", "memory", "next", "output", "outputs", "release", "reset", "restore", "save", "state", "stop"),
-)
-"""What names of functions and types end with, and those of the outermost process."""
 
 
 @record
@@ -54,8 +48,13 @@ class Interface:
     """The interface of a program, whose names all begin with ``prefix``."""
 
     network: Network
+    names: PackageNames
     types: CTypes
-    prefix: str
+
+    @property
+    def prefix(self) -> str:
+        """The name of the package."""
+        return self.names.prefix
 
     @cached_property
     def members(self) -> Mapping[str, str]:
@@ -81,8 +80,13 @@ class Interface:
     @cached_property
     def bringers(self) -> Mapping[str, str]:
         """The functions that bring events, by the keys of their ports."""
-        taken = Names([f"{self.prefix}_{name}" for name in _FUNCTIONS])
-        return {port.key: taken.fresh(f"{self.prefix}_{self.members[port.key]}") for port in self.events}
+        return {port.key: self.names.public(port.key) for port in self.events}
+
+    @cached_property
+    def literals(self) -> Mapping[str, str]:
+        """The constants that name inputs and outputs, by the keys of their ports."""
+        kinds = [*((port, "IN") for port in self.inputs), *((port, "OUT") for port in self.outputs)]
+        return {port.key: self.names.public_constant(f"{kind}_{port.key}") for port, kind in kinds}
 
     def text(self, size: int, build: str) -> ApiText:
         """What the templates are given, for instances of at most ``size`` bytes."""
@@ -123,7 +127,7 @@ class Interface:
         fields = [
             define(self.types.type_name(port.type), self.members[port.key], remark=self._remark(port)) for port in ports
         ]
-        literals = [f"    {self._literal(word, port)}," for port in ports]
+        literals = [f"    {self.literals[port.key]}," for port in ports]
         literals[-1] = literals[-1].removesuffix(",")
         return [
             f"/* {title}, and a name for each. */",
@@ -132,10 +136,6 @@ class Interface:
             *literals,
             f"}} {name}_{word};",
         ]
-
-    def _literal(self, word: str, port: ExternalPort) -> str:
-        kind = "IN" if word == "input" else "OUT"
-        return f"{self.prefix}_{kind}_{self.members[port.key]}".upper()
 
     def _remark(self, port: ExternalPort) -> str:
         return " ".join(port.doc.split()) if port.doc else f"{self.network.top}.{port.key}"
@@ -188,7 +188,7 @@ class Interface:
             "{",
             f"    {name}_instance *const self = device;",
             "    const bool came = self->hooks.sample(self->hooks.context,",
-            f"        {self._literal('input', port)}, &self->inputs);",
+            f"        {self.literals[port.key]}, &self->inputs);",
             "    if (came) {",
             f"        (void)memcpy(value, &self->inputs.{member},",
             f"            sizeof self->inputs.{member});",
@@ -206,7 +206,7 @@ class Interface:
             f"    (void)memcpy(&self->outputs.{member}, value,",
             f"        sizeof self->outputs.{member});",
             "    self->hooks.actuate(self->hooks.context,",
-            f"        {self._literal('output', port)}, &self->outputs, csp_is_releasing(&self->network.kernel));",
+            f"        {self.literals[port.key]}, &self->outputs, csp_is_releasing(&self->network.kernel));",
             "}",
         ]
 
@@ -244,7 +244,7 @@ def interface_files(
     render: Render,
 ) -> dict[str, str]:
     """The header and the source; ``files`` identify the program, ``headers`` are all headers of package and kernel."""
-    interface = Interface(network, types, library_name(names.package))
+    interface = Interface(network, names, types)
     first = interface.text(0, "")
     texts = [*headers, render("api.h.j2", api=first), first.instance]
     size = Layout(texts, {"CSP_LEVELS": _levels(files["csp_config.h"])}).size(f"{first.name}_instance")

@@ -19,7 +19,7 @@ from cspdiag.codegen.c.package.linkage import NAMES, first_included, names_heade
 from cspdiag.codegen.c.package.refusals import refuse
 from cspdiag.codegen.c.process.levels import separate_depths
 from cspdiag.codegen.c.text.literals import in_comment
-from cspdiag.codegen.c.text.names import PackageNames, library_name
+from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.options import Options
 from cspdiag.codegen.python.plain.docs import sentence
@@ -152,9 +152,8 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
         main = Simulation(network.top, [_scenario(entry, names) for entry in environments])
         files["main_simulation.c"] = render("main_simulation.c.j2", main=main)
     files["constants.h"] = constants_header(lowered, names, types)
-    prefix = library_name(names.package)
-    files[f"{prefix}_types.h"] = plain_types_header(lowered, prefix, types)
-    files["types.h"] = types_header(lowered, names, types, f"{prefix}_types.h")
+    files[f"{names.prefix}_types.h"] = plain_types_header(lowered, names.prefix, types)
+    files["types.h"] = types_header(lowered, names, types, f"{names.prefix}_types.h")
     support = support_files()
     texts = {**support, **files}
     headers = [text for path, text in texts.items() if path.endswith(".h")]
@@ -172,7 +171,7 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
         or f"The process {network.top}, generated from its CSP diagram."
     )
     project = CProject(
-        package=library_name(names.package),
+        package=names.prefix,
         top=network.top,
         source=one_line(source),
         source_code=markdown_code(source),

@@ -4,31 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from cspdiag.codegen.c.text.reserved import is_reserved
 from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, with_underscores, words
 from cspdiag.network.ir.network import Network
-
-RESERVED = words(
-    """
-    auto break case char const continue default do double else enum extern float for goto if inline int long register
-    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    bool true false NULL main self asm fortran typeof near far huge interrupt
-    abs acos asin atan atan2 ceil cos cosh exp exp2 expm1 fabs floor fma fmax fmin fmod frexp gamma hypot isfinite isinf
-    isnan j0 j1 jn ldexp lgamma log log10 log1p log2 logb modf nan pow remainder rint round scalb signbit significand
-    sin
-    sinh sqrt tan tanh trunc y0 y1 yn drem infinity
-    abort assert atexit atof atoi bsearch calloc clock difftime div errno exit fclose feof fflush fopen fprintf fread
-    free
-    fputs fwrite getc getchar getenv index labs ldiv localtime longjmp malloc memchr memcmp memcpy memmove memset mktime
-    offsetof perror printf putc putchar puts qsort raise rand realloc remove rename rewind rindex scanf setjmp signal
-    sprintf srand stderr stdin stdout strcat strchr strcmp strcpy strlen strncpy strstr strtod strtol system time
-    tmpfile
-    toupper tolower ungetc
-    accept alarm bind brk close connect creat dup environ exec execl execv fork getpid kill link listen lseek nice open
-    pause pipe poll read recv select send shutdown sleep socket stat sync times truncate unlink usleep wait write yield
-    linux unix i386 stdin int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t ptrdiff_t
-    """
-)
-"""Keywords of C, and names of its library and of POSIX that are built into compilers or defined in headers."""
 
 
 def identifier(text: str) -> str:
@@ -38,11 +16,8 @@ def identifier(text: str) -> str:
         joined = f"n{joined}"
     if joined.startswith("_"):
         joined = f"x{joined}"
-    clashes = joined in RESERVED or f"{joined.lower()}_".startswith("csp_") or joined in _MACROS
+    clashes = is_reserved(joined) or f"{joined.lower()}_".startswith("csp_")
     return f"{joined}_" if clashes else joined
-
-
-_MACROS = words("EOF INFINITY NAN NULL DOMAIN OVERFLOW UNDERFLOW SING PLOSS TLOSS HUGE M_PI I BUFSIZ")
 
 
 def snake_case(name: str) -> str:
@@ -69,8 +44,9 @@ _TARGETS = words(
 
 
 def library_name(package: str) -> str:
-    """The name of the library of a package, without ``lib`` and ``.a``."""
-    return f"{package}_" if package in _LIBRARIES | _TARGETS else package
+    """The name of the library of a package, without ``lib`` and ``.a``, with which its names begin."""
+    clashes = package in _LIBRARIES | _TARGETS or f"{package.lower()}_".startswith("csp_")
+    return f"{package}_" if clashes else package
 
 
 class Names(GivenNames):
@@ -103,6 +79,17 @@ FILES = (
 )
 """Stems of files of a package, which no class may be named after."""
 
+_INTERFACE = words(
+    """
+    memory instance input inputs output outputs hooks state begin advance continues next finish release stop save
+    restore describe api types build size_suffices
+    """
+)
+"""What names of the interface end with, after the name of the package."""
+
+_INTERFACE_CONSTANTS = words("SIZE API_H TYPES_H MORE BUDGET REFUSED ENDED FAILED DEADLOCK STOPPED IN OUT")
+"""The same for its constants and macros."""
+
 _NETWORK_NAMES = words("external present brought port_table process_name channel_name exception_names copy_name")
 """Names in the file that builds the network, besides that of the outermost process."""
 
@@ -110,16 +97,28 @@ _NETWORK_NAMES = words("external present brought port_table process_name channel
 class PackageNames(Package):
     """The names that all files of one package share.
 
-    A class has one name, which its struct and its files have and its functions begin with. Constants and enum literals
-    have global names in C.
+    A class has one name, which its struct and its files have and its functions begin with. Constants have global names
+    in C. What users of the program see begins with ``prefix``: types, enum literals and the interface.
     """
 
     def __init__(self, network: Network) -> None:
         super().__init__(network)
-        interface = (f"{library_name(self.package)}_{part}" for part in ("api", "types"))
+        self.prefix = library_name(self.package)
+        interface = (
+            *(f"{self.prefix}_{part}" for part in _INTERFACE),
+            *(f"{self.prefix}_{part}".upper() for part in _INTERFACE_CONSTANTS),
+        )
         self._names = Names((*FILES, *HEADERS, *_NETWORK_NAMES, *interface))
         self.types: Mapping[str, str] = {
-            name: self._fresh(name) for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
+            name: self.public(with_underscores(name))
+            for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
+        }
+        self.literals: Mapping[str, tuple[str, ...]] = {
+            enum.name: tuple(
+                self.public_constant(f"{with_underscores(enum.name)}_{with_underscores(name)}")
+                for name in enum.literals
+            )
+            for enum in network.enums
         }
         by_hand = {entry.definition: snake_case(entry.definition) for entry in network.classes if entry.external}
         for name in by_hand.values():
@@ -136,16 +135,18 @@ class PackageNames(Package):
             for name in network.exceptions
             if name not in ("Timeout", "Fault")
         }
-        self.literals: Mapping[str, tuple[str, ...]] = {
-            enum.name: tuple(
-                self._names.fresh(f"{snake_case(enum.name)}_{snake_case(name)}".upper()) for name in enum.literals
-            )
-            for enum in network.enums
-        }
         self.constants: Mapping[str, str] = {entry.name: self._names.fresh(entry.name) for entry in network.constants}
         self.globals = frozenset(
             (*self.constants.values(), *(name for names in self.literals.values() for name in names))
         )
+
+    def public(self, name: str) -> str:
+        """A new name of a type or a function that users of the program see."""
+        return self._names.fresh(f"{self.prefix}_{as_one_word(name)}")
+
+    def public_constant(self, name: str) -> str:
+        """The same of a constant, in upper case."""
+        return self._names.fresh(f"{self.prefix}_{as_one_word(name)}".upper())
 
     def _fresh(self, name: str) -> str:
         return self._names.fresh(snake_case(name))

@@ -10,7 +10,7 @@ from typing import assert_never
 
 from cspdiag.base import Span
 from cspdiag.codegen.c.text.code import CSP, PRODUCT, Aggregate, Atom, Code, call, cast, infix, minus
-from cspdiag.codegen.c.text.names import Names, PackageNames, identifier
+from cspdiag.codegen.c.text.names import PackageNames, identifier
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -37,10 +37,9 @@ class CTypes:
     def __init__(self, names: PackageNames) -> None:
         self.names = names
         self._arrays: dict[tuple[str, int], tuple[str, ArrayType]] = {}
-        self._array_names = Names(names.types.values())
 
     def type_name(self, type_: Type) -> str:
-        """The C type: ``double``, ``struct pose``, ``enum mode``, ``struct double_4``."""
+        """The C type: ``double``, ``struct tank_pose``, ``enum tank_mode``, ``struct tank_double_4``."""
         match type_:
             case BoolType():
                 return "bool"
@@ -63,14 +62,16 @@ class CTypes:
         assert_never(type_)
 
     def suffix(self, type_: Type) -> str:
-        """The suffix of functions for a type: ``pose``, ``double_4``."""
-        return re.sub(r"_t$", "", self.type_name(type_).rpartition(" ")[2])
+        """The part of names of functions that is for a type: ``tank_pose``, ``tank_double_4``, ``int8``."""
+        word, _, name = self.type_name(type_).rpartition(" ")
+        return name if word else name.removesuffix("_t")
 
     def _array(self, type_: ArrayType) -> str:
         size = type_.size or 0
         key = (self.type_name(type_.element), size)
         if key not in self._arrays:
-            self._arrays[key] = (self._array_names[f"{self.suffix(type_.element)}_{size}"], type_)
+            element = self.suffix(type_.element).removeprefix(f"{self.names.prefix}_")
+            self._arrays[key] = (self.names.public(f"{element}_{size}"), type_)
         return self._arrays[key][0]
 
     @property

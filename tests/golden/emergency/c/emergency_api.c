@@ -282,7 +282,7 @@ void emergency_describe(emergency_instance *self, char *text, size_t size)
     }
 }
 
-bool emergency_panel(emergency_instance *self, enum button value)
+bool emergency_panel(emergency_instance *self, enum emergency_button value)
 {
     return csp_event_bring(&self->network.kernel,
         &self->network.external.panel, &value);

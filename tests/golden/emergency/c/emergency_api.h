@@ -140,9 +140,10 @@ bool emergency_restore(emergency_instance *self, const emergency_memory *copy);
 void emergency_describe(emergency_instance *self, char *text, size_t size);
 
 /* Events. Each function may be called from anywhere; the event occurs at the next step, and of
- * several before it the last counts. True: it has overwritten one.
+ * several before it the last counts. True: it has overwritten one. The function of a port whose
+ * name another function or type has ends in a number: emergency_stop_2.
  */
-bool emergency_panel(emergency_instance *self, enum button value);
+bool emergency_panel(emergency_instance *self, enum emergency_button value);
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum button { BUTTON_NONE, BUTTON_START, BUTTON_EMERGENCY };
+enum emergency_button { EMERGENCY_BUTTON_NONE, EMERGENCY_BUTTON_START, EMERGENCY_BUTTON_EMERGENCY };
 
 #endif

@@ -101,7 +101,7 @@ void network_initialize(struct network *self, const struct network_drivers *driv
         });
 }
 
-bool network_bring_panel(struct network *self, enum button value)
+bool network_bring_panel(struct network *self, enum emergency_button value)
 {
     return csp_event_bring(&self->kernel, &self->external.panel, &value);
 }

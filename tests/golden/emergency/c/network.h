@@ -18,19 +18,19 @@ struct network {
         csp_direct_output halted;
     } external;
     struct {
-        enum button panel;
+        enum emergency_button panel;
         double feedback;
         double control;
         bool brake;
     } present;
     struct {
-        enum button panel;
+        enum emergency_button panel;
     } brought; /* by interrupt handlers */
 };
 
 /* A device or a simulated one for every port. */
 struct network_drivers {
-    /* reads enum button */
+    /* reads enum emergency_button */
     csp_driver panel;
     /* reads double */
     csp_driver feedback;
@@ -47,7 +47,7 @@ void network_initialize(struct network *self, const struct network_drivers *driv
     const csp_hooks *hooks);
 
 /* An interrupt handler brings an event: the latest value counts. True: it has overwritten one. */
-bool network_bring_panel(struct network *self, enum button value);
+bool network_bring_panel(struct network *self, enum emergency_button value);
 
 extern const csp_program network_program;
 

@@ -12,7 +12,7 @@ const char *const network_channel_names[] = {
     "Spindle.halted",
 };
 const uint32_t network_channel_sizes[] = {
-    sizeof(enum button),
+    sizeof(enum emergency_button),
     sizeof(double),
     sizeof(double),
     sizeof(bool),

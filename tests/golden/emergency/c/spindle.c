@@ -76,7 +76,7 @@ static csp_party *spindle_step(csp_kernel *csp, csp_party *party)
         do {
             /* panel ? button (emergency.csp:34) */
             CSP_TAKE(csp_event_read, self->panel, self->button, READS_PANEL, fails)
-        } while (self->button != BUTTON_START);
+        } while (self->button != EMERGENCY_BUTTON_START);
         /* brake ! false (emergency.csp:35) */
         self->sent.brake = false;
         CSP_CHECK(fails)
@@ -164,7 +164,7 @@ void spindle_initialize(struct spindle *self, csp_numbers *numbers,
     self->control = ports->control;
     self->brake = ports->brake;
     self->halted = ports->halted;
-    self->button = BUTTON_NONE;
+    self->button = EMERGENCY_BUTTON_NONE;
     self->panel = csp_event_reader(&self->panel_latch, ports->panel);
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     spindle_controller_initialize(&self->law, 200.0);

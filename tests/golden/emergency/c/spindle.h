@@ -29,7 +29,7 @@ struct spindle {
     /* if it has one of its own */
     csp_event_end panel_latch;
     csp_sampled_end feedback;
-    enum button button;
+    enum emergency_button button;
     double speed;
     struct spindle_controller law;
     union {

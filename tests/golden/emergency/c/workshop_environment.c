@@ -7,7 +7,7 @@
 
 static struct {
     int64_t now; /* in nanoseconds */
-    enum button panel[2]; /* present and last */
+    enum emergency_button panel[2]; /* present and last */
     double feedback;
     double control;
     bool brake;
@@ -16,13 +16,13 @@ static struct {
     double wheel_inertia;
 } plant;
 
-static bool poll_button(void *device, void *value)
+static bool poll_emergency_button(void *device, void *value)
 {
     /* The present and the last value: an event is a change. */
-    enum button *const signal = device;
+    enum emergency_button *const signal = device;
     const bool changed = signal[0] != signal[1];
     signal[1] = signal[0];
-    *(enum button *)value = signal[0];
+    *(enum emergency_button *)value = signal[0];
     return changed;
 }
 
@@ -58,8 +58,9 @@ static bool workshop_environment_evaluate(csp_kernel *csp)
     const double time = csp_seconds(plant.now);
     const double wheel_speed = plant.wheel_w; /* emergency.csp:52 */
     /* emergency.csp:59 */
-    const enum button operator_button =
-        (time < 0.1) ? BUTTON_NONE : ((time < 0.9) ? BUTTON_START : BUTTON_EMERGENCY);
+    const enum emergency_button operator_button = (time < 0.1)
+        ? EMERGENCY_BUTTON_NONE
+        : ((time < 0.9) ? EMERGENCY_BUTTON_START : EMERGENCY_BUTTON_EMERGENCY);
     plant.panel[0] = operator_button; /* emergency.csp:66 */
     plant.feedback = wheel_speed; /* emergency.csp:67 */
     return true;
@@ -101,7 +102,7 @@ static bool workshop_environment_advance(csp_kernel *csp, int64_t now)
 }
 
 const struct network_drivers workshop_environment_drivers = {
-    .panel = {plant.panel, poll_button, NULL},
+    .panel = {plant.panel, poll_emergency_button, NULL},
     .feedback = {&plant.feedback, read_double, NULL},
     .control = {&plant.control, NULL, write_double},
     .brake = {&plant.brake, NULL, write_bool},

@@ -28,7 +28,7 @@ static const int64_t Tsv = CSP_MS; /* jiwy.csp:7 */
 static const int64_t stopButton = 2; /* jiwy.csp:10 */
 /* Servo of the horizontal joint; the first four are published. */
 /* jiwy.csp:13 */
-static const struct servo_gains panGains = {
+static const struct jiwy_servo_gains panGains = {
     .kp = 2.6,
     .tauD = 50 * CSP_MS,
     .beta = 0.17,
@@ -38,7 +38,7 @@ static const struct servo_gains panGains = {
 };
 /* Servo of the vertical joint. */
 /* jiwy.csp:15 */
-static const struct servo_gains tiltGains = {
+static const struct jiwy_servo_gains tiltGains = {
     .kp = 1.6,
     .tauD = 50 * CSP_MS,
     .beta = 0.001,

@@ -766,7 +766,8 @@ static const csp_class joint_control_class = {
 };
 
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-    const struct joint_control_ports *ports, int64_t T, struct servo_gains gains, double alignKp)
+    const struct joint_control_ports *ports, int64_t T, struct jiwy_servo_gains gains,
+    double alignKp)
 {
     csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &joint_control_class, numbers->process);

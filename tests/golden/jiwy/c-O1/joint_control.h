@@ -22,7 +22,7 @@ struct joint_control {
     csp_ends alignR_samples;
     csp_ends motionControl_samples;
     csp_ends homing_samples;
-    struct servo_gains gains;
+    struct jiwy_servo_gains gains;
     double alignKp;
     csp_latched_output *control;
     csp_sampled_end feedback;
@@ -120,6 +120,7 @@ struct joint_control {
 
 /* Before the program starts. */
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-    const struct joint_control_ports *ports, int64_t T, struct servo_gains gains, double alignKp);
+    const struct joint_control_ports *ports, int64_t T, struct jiwy_servo_gains gains,
+    double alignKp);
 
 #endif

@@ -12,7 +12,8 @@
 /* The exceptions that the program declares. */
 enum { EXCEPTION_MODE_FAILED = CSP_FIRST_EXCEPTION };
 
-static inline bool servo_gains_equal(struct servo_gains left, struct servo_gains right)
+static inline bool jiwy_servo_gains_equal(struct jiwy_servo_gains left,
+    struct jiwy_servo_gains right)
 {
     return (left.kp == right.kp)
         && (left.tauD == right.tauD)
@@ -22,7 +23,8 @@ static inline bool servo_gains_equal(struct servo_gains left, struct servo_gains
         && (left.tolerance == right.tolerance);
 }
 
-static inline void servo_gains_finite(csp_kernel *csp, struct servo_gains value, const char *port)
+static inline void jiwy_servo_gains_finite(csp_kernel *csp, struct jiwy_servo_gains value,
+    const char *port)
 {
     csp_finite(csp, value.kp, port);
     csp_finite(csp, value.beta, port);

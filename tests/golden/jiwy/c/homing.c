@@ -154,7 +154,7 @@ static const csp_class homing_class = {
 };
 
 void homing_initialize(struct homing *self, csp_numbers *numbers, const struct homing_ports *ports,
-    int64_t T, struct servo_gains gains, int64_t patience)
+    int64_t T, struct jiwy_servo_gains gains, int64_t patience)
 {
     csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &homing_class, numbers->process);

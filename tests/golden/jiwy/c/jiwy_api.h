@@ -142,7 +142,8 @@ bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy);
 void jiwy_describe(jiwy_instance *self, char *text, size_t size);
 
 /* Events. Each function may be called from anywhere; the event occurs at the next step, and of
- * several before it the last counts. True: it has overwritten one.
+ * several before it the last counts. True: it has overwritten one. The function of a port whose
+ * name another function or type has ends in a number: jiwy_stop_2.
  */
 bool jiwy_joystick_buttons(jiwy_instance *self, int64_t value);
 

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-struct servo_gains {
+struct jiwy_servo_gains {
     double kp;
     int64_t tauD;
     double beta;

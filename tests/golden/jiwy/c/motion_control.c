@@ -122,7 +122,8 @@ static const csp_class motion_control_class = {
 };
 
 void motion_control_initialize(struct motion_control *self, csp_numbers *numbers,
-    const struct motion_control_ports *ports, int64_t T, struct servo_gains gains, double reach)
+    const struct motion_control_ports *ports, int64_t T, struct jiwy_servo_gains gains,
+    double reach)
 {
     csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &motion_control_class, numbers->process);

@@ -5,7 +5,7 @@
 #include "csp_arithmetic.h"
 
 void position_controller_initialize(csp_kernel *csp, struct position_controller *self,
-    struct servo_gains gains, double reach, double rate, int64_t smoothing, int64_t dwell,
+    struct jiwy_servo_gains gains, double reach, double rate, int64_t smoothing, int64_t dwell,
     double margin, double sample)
 {
     self->gains = gains;

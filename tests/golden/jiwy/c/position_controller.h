@@ -29,7 +29,7 @@ struct position_controller {
     double pid_ui;
     double arrived;
     /* Parameters and what follows from them. */
-    struct servo_gains gains;
+    struct jiwy_servo_gains gains;
     double reach;
     double rate;
     double smoothing;
@@ -45,7 +45,7 @@ struct position_controller {
 
 /* Before the first run; durations are in nanoseconds. */
 void position_controller_initialize(csp_kernel *csp, struct position_controller *self,
-    struct servo_gains gains, double reach, double rate, int64_t smoothing, int64_t dwell,
+    struct jiwy_servo_gains gains, double reach, double rate, int64_t smoothing, int64_t dwell,
     double margin, double sample);
 /* Puts the states back to their initial values. */
 void position_controller_reset(struct position_controller *self);
