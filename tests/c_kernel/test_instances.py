@@ -122,6 +122,17 @@ def test_a_restored_run_continues_as_the_saved_one(machine: Path) -> None:
     assert ended.startswith(f"state {ENDED}")
 
 
+def test_events_can_be_polled_and_outputs_handed_over_before_samples_are_taken(machine: Path) -> None:
+    assert run(machine, "exchange").splitlines() == [
+        f"3 ms: state {MORE}, samples 1, drive 0, polls 0",
+        f"6 ms: state {MORE}, samples 2, drive 2, polls 1",
+        f"9 ms: state {MORE}, samples 4, drive 3, polls 2",
+        "too early: drive 3",
+        f"state {ENDED}, lamp 0",
+        f"state {ENDED}: ended by itself; driven 3, last -1, released 2, afterwards 0",
+    ]
+
+
 @pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
 def test_no_event_of_another_thread_is_lost_unreported(sanitizer: str, tmp_path: Path) -> None:
     need("gcc")

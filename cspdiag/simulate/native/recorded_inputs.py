@@ -50,10 +50,11 @@ static void *device_of_change(void)
     return ((const csp_driver *)&{name}_drivers)[upcoming.port].device;
 }}
 
-static bool recorded_start(csp_kernel *csp)
+static bool recorded_start(csp_kernel *csp, void *state)
 {{
     static const bool is_event[] = {{{events}}};
     (void)csp;
+    (void)state;
     const char *const path = getenv("{variable}");
     recorded_inputs = (path != NULL) ? fopen(path, "rb") : NULL;
     if (recorded_inputs == NULL) {{
@@ -72,9 +73,10 @@ static bool recorded_start(csp_kernel *csp)
     return true;
 }}
 
-static bool recorded_advance(csp_kernel *csp, int64_t now)
+static bool recorded_advance(csp_kernel *csp, void *state, int64_t now)
 {{
     (void)csp;
+    (void)state;
     while (has_upcoming && (upcoming.time <= now)) {{
         has_upcoming = fread(device_of_change(), upcoming.size, 1, recorded_inputs) == 1;
         read_change();
@@ -82,7 +84,7 @@ static bool recorded_advance(csp_kernel *csp, int64_t now)
     return true;
 }}
 
-const csp_environment {name} = {{INT64_C({step}), recorded_start, recorded_advance}};
+const csp_environment {name} = {{INT64_C({step}), recorded_start, recorded_advance, NULL}};
 """
 
 

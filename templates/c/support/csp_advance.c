@@ -195,7 +195,7 @@ csp_ending csp_begin(csp_kernel *csp)
     csp->phase = (uint8_t)CSP_RUNNING;
     csp->ending = (uint8_t)CSP_MORE;
     csp_begin_driving(csp);
-    if ((environment != NULL) && (environment->start != NULL) && !environment->start(csp)) {
+    if ((environment != NULL) && (environment->start != NULL) && !environment->start(csp, environment->state)) {
         return environment_failed(csp);
     }
     csp_instants_begin(csp);
@@ -255,6 +255,13 @@ int64_t csp_next(csp_kernel *csp)
         return INT64_MAX;
     }
     return (csp_is_ready(csp) || CSP_LOAD(csp->news)) ? csp->reached : csp_instants_next(csp);
+}
+
+void csp_hand_over(csp_kernel *csp, int64_t instant)
+{
+    if (runs(csp) && (csp_next(csp) >= instant)) {
+        (void)csp_outputs_meet(csp, instant);
+    }
 }
 
 void csp_finish(csp_kernel *csp)

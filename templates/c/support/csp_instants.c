@@ -80,6 +80,9 @@ static int64_t grid_of(csp_kernel *csp)
     if (!polled) {
         return 0;
     }
+    if ((csp->hooks != NULL) && (csp->hooks->grid > 0)) {
+        return csp->hooks->grid;
+    }
     return (divisor > 0) ? divisor : GRID_WITHOUT_PERIODS;
 }
 
@@ -134,7 +137,7 @@ static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
     return next;
 }
 
-static int64_t outputs_meet(csp_kernel *csp, int64_t instant)
+int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant)
 {
     const csp_port *const ports = csp->program->ports;
     const uint32_t end = csp->outputs.to;
@@ -156,14 +159,14 @@ static int64_t outputs_meet(csp_kernel *csp, int64_t instant)
 bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present)
 {
     const csp_environment *const environment = csp->program->environment;
-    if ((environment != NULL) && (environment->advance != NULL) && !environment->advance(csp, instant)) {
+    if ((environment != NULL) && (environment->advance != NULL) && !environment->advance(csp, environment->state, instant)) {
         return false;
     }
     const int64_t next_input = inputs_meet(csp, instant, present);
     if (csp->next_grid == instant) {
         csp->next_grid = tick_after(instant, csp->grid);
     }
-    const int64_t next_output = outputs_meet(csp, instant);
+    const int64_t next_output = csp_outputs_meet(csp, instant);
     csp->next_tick = earlier(earlier(next_input, next_output), csp->next_grid);
     return true;
 }

@@ -21,11 +21,12 @@ typedef enum csp_ending {
 /* The last instant of any run, after 292 years; later ones do not fit in int64_t. */
 #define CSP_END_OF_TIME INT64_C(9223372036000000000)
 
-/* The plant and the operator, simulated; functions may be NULL. */
+/* The plant and the operator, simulated; functions may be NULL. They are passed the state, of which there may be several. */
 typedef struct csp_environment {
-    int64_t step;                 /* the grid in nanoseconds, on which event inputs are polled; 0: none */
-    bool (*start)(csp_kernel *csp); /* evaluates the outputs at time 0, before processes run */
-    bool (*advance)(csp_kernel *csp, int64_t now); /* advances to `now` with its inputs held; false: it has failed */
+    int64_t step;                                /* the grid in nanoseconds, on which event inputs are polled; 0: none */
+    bool (*start)(csp_kernel *csp, void *state); /* evaluates the outputs at time 0, before processes run */
+    bool (*advance)(csp_kernel *csp, void *state, int64_t now); /* advances to `now` with its inputs held; false: it has failed */
+    void *state;
 } csp_environment;
 
 typedef enum csp_port_kind { CSP_PORT_SAMPLED, CSP_PORT_EVENT, CSP_PORT_LATCHED, CSP_PORT_DIRECT } csp_port_kind;
@@ -62,6 +63,7 @@ typedef struct csp_hooks {
     void (*wake)(void *context);                 /* an event or a request to stop has come, maybe from an interrupt handler */
     void (*alive)(void *context);                /* once in each turn, for a watchdog */
     void (*met)(void *context, int64_t instant); /* in real time: this instant is going to be executed */
+    int64_t grid; /* nanoseconds between polls of events without an environment; 0: the greatest common divisor of the periods */
 } csp_hooks;
 
 typedef enum csp_phase { CSP_NOT_BUILT, CSP_BUILT, CSP_RUNNING, CSP_FINISHED } csp_phase;
@@ -84,6 +86,7 @@ static inline csp_medium *csp_medium_of(csp_kernel *csp, const csp_port *port)
  *     csp_begin(csp)                  CSP_MORE, or CSP_FAILED if the environment has failed
  *     csp_advance(csp, until, steps)  runs everything that is due up to the instant, within this number of steps
  *     csp_next(csp)                   the next instant at which something is due; INT64_MAX: nothing is
+ *     csp_hand_over(csp, instant)     writes the latched outputs of an instant, up to which everything is done, before csp_advance meets it
  *     csp_finish(csp)                 writes the safe values
  *
  * The time is that of the caller. In virtual time every instant is executed in its turn, however far `until` is ahead. In real time, `until` is
@@ -92,6 +95,7 @@ static inline csp_medium *csp_medium_of(csp_kernel *csp, const csp_port *port)
 csp_ending csp_begin(csp_kernel *csp);
 csp_ending csp_advance(csp_kernel *csp, int64_t until, uint32_t steps);
 int64_t csp_next(csp_kernel *csp);
+void csp_hand_over(csp_kernel *csp, int64_t instant);
 void csp_finish(csp_kernel *csp);
 
 /* Runs to the end, or to the instant `until` (negative: without limit), and then writes the safe values. Afterwards `csp->now` is the time of the

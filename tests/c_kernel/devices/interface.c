@@ -20,6 +20,8 @@ typedef struct plant {
     int late_writes; /* values after the safe one */
     int turns;
     int wakes;
+    int polls;
+    bool pressed;
     pthread_mutex_t lock;
 } plant;
 
@@ -227,13 +229,43 @@ static void restore(void)
     show(self, machine_advance(self, 170 * MS, 1000U), &devices);
 }
 
+static bool poll(void *context, machine_event event, void *value)
+{
+    plant *const self = context;
+    (void)event;
+    self->polls++;
+    *(bool *)value = true;
+    return self->pressed;
+}
+
+/* As a simulator does it that exchanges values each 3 ms: instants before the end of a step, what the outputs have for the end, nothing else of the end. */
+static void exchange(void)
+{
+    machine_hooks hooks = hooks_of(&devices);
+    hooks.poll = poll;
+    hooks.grid = 3 * MS;
+    machine_instance *const self = machine_begin(&memory, sizeof memory, &hooks, NULL);
+    for (int64_t end = 3 * MS; end <= 9 * MS; end += 3 * MS) {
+        const machine_state state = machine_advance(self, end - 1, 1000U);
+        machine_hand_over(self, end);
+        (void)printf("%lld ms: state %d, samples %d, drive %g, polls %d\n", (long long)(end / MS), (int)state,
+                     devices.samples, devices.last.drive, devices.polls);
+    }
+    machine_hand_over(self, 20 * MS);
+    (void)printf("too early: drive %g\n", devices.last.drive);
+    devices.pressed = true;
+    const machine_state state = machine_advance(self, 9 * MS, 1000U);
+    (void)printf("state %d, lamp %d\n", (int)state, devices.last.lamp);
+    show(self, state, &devices);
+}
+
 int main(int count, char **arguments)
 {
     static const struct {
         const char *name;
         void (*run)(void);
     } parts[] = {{"refuse", refuse}, {"run", run}, {"reset", reset}, {"late", be_late}, {"bad", sample_badly},
-                 {"restore", restore}};
+                 {"restore", restore}, {"exchange", exchange}};
     for (size_t index = 0U; index < sizeof parts / sizeof parts[0]; index++) {
         if ((count > 1) && (strcmp(arguments[1], parts[index].name) == 0)) {
             parts[index].run();

@@ -40,8 +40,9 @@ static void put(void *device, const void *value)
     (void)value;
 }
 
-static bool advance(csp_kernel *csp, int64_t now)
+static bool advance(csp_kernel *csp, void *state, int64_t now)
 {
+    (void)state;
     (void)csp;
     plant = now / MS;
     pressed = (now == 5 * MS) || (now == 6 * MS) || (now == 9 * MS);
@@ -77,7 +78,7 @@ static script_list listener = {
 
 int main(void)
 {
-    static csp_environment environment = {MS, NULL, advance};
+    static csp_environment environment = {MS, NULL, advance, NULL};
     static const script_port ports[] = {
         {CSP_PORT_SAMPLED, &fast.medium, NULL},
         {CSP_PORT_SAMPLED, &slow.medium, NULL},

@@ -10,7 +10,7 @@ from zlib import crc32
 from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.network.external_ports import port_groups
-from cspdiag.codegen.c.text.code import Aggregate, Code, code
+from cspdiag.codegen.c.text.code import EQUALITY, Aggregate, Code, code, conditional, infix
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.names import Names, PackageNames
 from cspdiag.codegen.c.text.statements import Block, Statement, define, lines, signature
@@ -36,6 +36,7 @@ class ApiText:
     outputs: bool
     events: bool
     ports: list[str]
+    event_names: str
     event_declarations: list[str]
     instance: str
     drivers: list[str]
@@ -84,8 +85,9 @@ class Interface:
 
     @cached_property
     def literals(self) -> Mapping[str, str]:
-        """The constants that name inputs and outputs, by the keys of their ports."""
+        """The constants that name inputs, outputs and events, by the keys of their ports."""
         kinds = [*((port, "IN") for port in self.inputs), *((port, "OUT") for port in self.outputs)]
+        kinds += [(port, "EVENT") for port in self.events]
         return {port.key: self.names.public_constant(f"{kind}_{port.key}") for port, kind in kinds}
 
     def text(self, size: int, build: str) -> ApiText:
@@ -100,6 +102,7 @@ class Interface:
             outputs=bool(self.outputs),
             events=bool(self.events),
             ports=self.ports,
+            event_names=self.event_names,
             event_declarations=self.event_declarations,
             instance=self.instance,
             drivers=self.drivers,
@@ -127,15 +130,21 @@ class Interface:
         fields = [
             define(self.types.type_name(port.type), self.members[port.key], remark=self._remark(port)) for port in ports
         ]
-        literals = [f"    {self.literals[port.key]}," for port in ports]
-        literals[-1] = literals[-1].removesuffix(",")
         return [
             f"/* {title}, and a name for each. */",
             *lines([Block(tuple(fields), f"typedef struct {name}_{word}s", f"}} {name}_{word}s;")]),
-            f"typedef enum {name}_{word} {{",
-            *literals,
-            f"}} {name}_{word};",
+            *self._names(word, ports),
         ]
+
+    def _names(self, word: str, ports: Sequence[ExternalPort]) -> list[str]:
+        literals = [f"    {self.literals[port.key]}," for port in ports]
+        literals[-1] = literals[-1].removesuffix(",")
+        return [f"typedef enum {self.prefix}_{word} {{", *literals, f"}} {self.prefix}_{word};"]
+
+    @property
+    def event_names(self) -> str:
+        """A name for each event; empty if there are none."""
+        return "\n".join(["/* A name for each event. */", *self._names("event", self.events)]) if self.events else ""
 
     def _remark(self, port: ExternalPort) -> str:
         return " ".join(port.doc.split()) if port.doc else f"{self.network.top}.{port.key}"
@@ -169,7 +178,7 @@ class Interface:
     @property
     def drivers(self) -> list[str]:
         """The functions behind the ports, which call the hooks."""
-        functions = [*map(self._reader, self.inputs), *map(self._writer, self.outputs)]
+        functions = [*map(self._reader, self.inputs), *map(self._poller, self.events), *map(self._writer, self.outputs)]
         return ["\n".join(rows) for rows in functions]
 
     @property
@@ -194,6 +203,16 @@ class Interface:
             f"            sizeof self->inputs.{member});",
             "    }",
             "    return came;",
+            "}",
+        ]
+
+    def _poller(self, port: ExternalPort) -> list[str]:
+        return [
+            f"static bool poll_{self.members[port.key]}(void *device, void *value)",
+            "{",
+            f"    const {self.prefix}_instance *const self = device;",
+            "    return self->hooks.poll(self->hooks.context,",
+            f"        {self.literals[port.key]}, value);",
             "}",
         ]
 
@@ -229,7 +248,12 @@ class Interface:
 
     def _driver(self, port: ExternalPort) -> Code:
         if port.medium == "event":
-            return Aggregate(((".device", code("NULL")),))
+            polled = conditional(
+                infix("!=", EQUALITY, code("self->hooks.poll"), code("NULL")),
+                code(f"poll_{self.members[port.key]}"),
+                code("NULL"),
+            )
+            return Aggregate(((".device", code("self")), (".read", polled)))
         verb = "write" if port.direction == "out" else "read"
         function = code(f"{verb}_{self.members[port.key]}")
         return Aggregate(((".device", code("self")), (f".{verb}", function)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import PRODUCT, SUM, Atom, Code, address, call, code, infix
+from cspdiag.codegen.c.text.code import PRODUCT, SUM, Atom, Code, address, call, code, infix, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.names import Names
 from cspdiag.codegen.c.text.statements import For, Plain, Statement, define, run, store
@@ -14,7 +14,8 @@ from cspdiag.network.ir.network import SubmodelClass
 @record
 class LinearStep:
     """Writes what concerns one block. ``names`` gives the C names of its states, which are local variables; ``block``
-    is a static variable, ``step`` a local one for M and N, ``following`` are those for the next values of the states.
+    is a member of the struct of the environment, ``step`` a local variable for M and N, ``following`` are those for the
+    next values of the states.
     """
 
     linear: LinearBlock
@@ -24,26 +25,26 @@ class LinearStep:
     following: tuple[str, ...]
 
     def declaration(self) -> Plain:
-        """The variable for A, and for M and N."""
+        """The member for A, and for M and N."""
         states = ", ".join(self.names[state] for state in self.linear.states)
         about = f"dx/dt = A x + r, where r is held between two instants, x = ({states})"
-        return define("static csp_linear", self.block, remark=about)
+        return define("csp_linear", self.block, remark=about)
 
     def start(self, printer: Printer) -> list[Statement]:
         """The statements that compute A."""
         count = len(self.linear.states)
-        statements: list[Statement] = [run(call("csp_linear_start", address(code(self.block)), f"{count}U"))]
+        statements: list[Statement] = [run(call("csp_linear_start", address(own(self.block)), f"{count}U"))]
         for i, row in enumerate(self.linear.matrix):
             for j, entry in enumerate(row):
                 if entry is not None:
                     value = printer.evaluate(entry)
                     statements += value.setup
-                    statements.append(store(code(self.block).field("a").at(i).at(j), value.code))
+                    statements.append(store(own(self.block).field("a").at(i).at(j), value.code))
         return statements
 
     def moved(self, printer: Printer, count: Code | None) -> list[Statement]:
         """The steps of the states, which are local variables, ``count`` of them if there is more than one."""
-        found = call("csp_linear_step", address(code(self.block)), "h")
+        found = call("csp_linear_step", address(own(self.block)), "h")
         statements: list[Statement] = [define("const csp_rk4 *const", self.step, found)]
         states = [code(self.names[state]) for state in self.linear.states]
         body: list[Statement] = []

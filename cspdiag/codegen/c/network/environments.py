@@ -31,6 +31,7 @@ from cspdiag.codegen.c.text.code import (
     ignored,
     infix,
     negated,
+    own,
 )
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
@@ -73,12 +74,14 @@ from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass
 
-_LOCALS = LOCALS | {"now", "present", "plant", "device", "value", "last"}
+_LOCALS = LOCALS | {"now", "present", "self", "state", "device", "value", "last"}
+_STATE = "void *state"
+"""The parameter of the functions in the table, which know nothing of the struct."""
 
 
 @record
 class EnvironmentFiles:
-    """Writes the files of one environment. Its signals are members of a static struct ``plant``."""
+    """Writes the files of one environment. Its signals are members of a struct of its name."""
 
     environment: Environment
     network: Network
@@ -129,18 +132,20 @@ class EnvironmentFiles:
         environment, guard = self.environment, f"{self.name.upper()}_H"
         about = [*wrapped(environment.doc or f"The environment {environment.name}."), ""]
         about.append(f"Source: {self._place(environment)}")
-        rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", "", '#include "network.h"', ""]
-        rows += ["/* What is behind the ports of the program. */"]
-        rows += [f"extern const struct network_drivers {self.name}_drivers;"]
-        rows += [f"extern const csp_environment {self.name};", "", "#endif", ""]
+        rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", ""]
+        rows += ['#include "csp_linear.h"'] if self._linear else []
+        rows += ['#include "network.h"']
+        rows += sorted({f'#include "{body_name(call)}.h"' for call in self._calls})
+        rows += ["", "/* The state of the plant and the operator, with their signals. */", *lines([self._struct()])]
+        rows += ["", "/* One of them, and what it is behind the ports of the program. */"]
+        rows += [f"extern const csp_environment {self.name};"]
+        rows += [f"extern const struct network_drivers {self.name}_drivers;", "", "#endif", ""]
         return "\n".join(rows)
 
     def _source(self) -> str:
         rows = [f"/* See {self.name}.h. */", f'#include "{self.name}.h"', ""]
-        linear = ['#include "csp_linear.h"'] if self._linear else []
-        rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', *linear, '#include "types.h"']
-        rows += sorted({f'#include "{body_name(call)}.h"' for call in self._calls})
-        parts: list[Statement] = [self._plant(), *(step.declaration() for step in self._linear), *self._transfers()]
+        rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', '#include "types.h"']
+        parts: list[Statement] = [define(f"static struct {self.name}", "present"), *self._transfers()]
         if self._in_stages is not None and self._in_stages.derivatives:
             writer = self._writer(self._slopes_printer, at=True)
             parts += self._integration.function(self._slopes_printer, writer)
@@ -152,7 +157,7 @@ class EnvironmentFiles:
 
     # ---- The state
 
-    def _plant(self) -> Statement:
+    def _struct(self) -> Statement:
         statements: list[Statement] = [define("int64_t", "now", remark="in nanoseconds")]
         system = self._system
         ports = {port.key: port for port in self.network.external_ports}
@@ -169,12 +174,13 @@ class EnvironmentFiles:
             stored += [(name, self._signal_types[name]) for name in sorted(local)]
             statements += [define(self.types.type_name(type_), self._members[name]) for name, type_ in stored]
             statements += [define(f"struct {body_name(item)}", self._members[item.name]) for item in self._calls]
-        return Block(tuple(statements), "static struct", "} plant;")
+            statements += [step.declaration() for step in self._linear]
+        return Block(tuple(statements), f"struct {self.name}", "};")
 
     def _signal(self, name: str) -> Code:
         """The lvalue of a port, a state or a constant."""
         ports = {port.key: port for port in self.network.external_ports}
-        place = _plant(self._members[name])
+        place = own(self._members[name])
         return place.at(0) if name in ports and ports[name].medium == "event" else place
 
     def _printer(self, local: Iterable[str], time: str = "time") -> Printer:
@@ -191,7 +197,7 @@ class EnvironmentFiles:
         def check(place: str) -> list[Plain]:
             return record_fault_place(place) if at else [run(call("CSP_CHECK_LAW", quoted(place)))]
 
-        return EquationWriter(printer, self._place, check, lambda name: _plant(self._members[name]), body_name)
+        return EquationWriter(printer, self._place, check, lambda name: own(self._members[name]), body_name)
 
     # ---- What happens
 
@@ -201,7 +207,7 @@ class EnvironmentFiles:
         assert system is not None
         return Integration(
             name=f"{self.name}_slopes",
-            owner="",
+            owner=self.name,
             local=lambda name: self._members[name],
             types=self._signal_types,
             states=tuple(state.name for state in system.states if state.continuous),
@@ -228,7 +234,7 @@ class EnvironmentFiles:
         return [] if self._system is None else linear_steps(self._system, self._members)
 
     def _start(self) -> Function:
-        statements: list[Statement] = [store(_plant("now"), "0")]
+        statements: list[Statement] = [self._self(), store(own("now"), "0")]
         system = self._system
         if system is not None:
             printer = self._printer((), "0.0")
@@ -238,27 +244,31 @@ class EnvironmentFiles:
             for item in self._calls:
                 setup, arguments = printer.arguments([value for _, value in item.arguments])
                 statements += setup
-                body = address(_plant(self._members[item.name]))
+                body = address(own(self._members[item.name]))
                 statements.append(run(call(f"{body_name(item)}_initialize", body, *arguments)))
             for state in system.states:
                 statements += writer.assign(self._signal(state.name), state.initial, self._place(state))
             for step in self._linear:
                 statements += step.start(printer)
         if self._results:
-            statements.append(run(ignored(call(f"{self.name}_evaluate", CSP))))
+            statements.append(run(ignored(call(f"{self.name}_evaluate", CSP, "self"))))
         for port in self.network.external_ports:
             if port.medium == "event":
-                member = _plant(self._members[port.key])
+                member = own(self._members[port.key])
                 statements.append(store(member.at(1), member.at(0)))
         statements.append(return_value(negated(call("csp_faulted"))))
-        return Function(f"static bool {self.name}_start", (KERNEL,), tuple(statements))
+        return Function(f"static bool {self.name}_start", (KERNEL, _STATE), tuple(statements))
 
     def _advance(self) -> Function:
         system = self._system
-        statements = self._state_updates(system) if system is not None and system.states else []
-        statements.append(store(_plant("now"), "now"))
-        statements.append(return_value(call(f"{self.name}_evaluate", CSP) if self._results else "true"))
-        return Function(f"static bool {self.name}_advance", (KERNEL, "int64_t now"), with_kernel(statements))
+        statements: list[Statement] = [self._self()]
+        statements += self._state_updates(system) if system is not None and system.states else []
+        statements.append(store(own("now"), "now"))
+        statements.append(return_value(call(f"{self.name}_evaluate", CSP, "self") if self._results else "true"))
+        return Function(f"static bool {self.name}_advance", (KERNEL, _STATE, "int64_t now"), with_kernel(statements))
+
+    def _self(self) -> Statement:
+        return define(f"struct {self.name} *const", "self", "state")
 
     def _state_updates(self, system: SubmodelClass) -> list[Statement]:
         """The statements that advance the states to ``now``, with the present values of the inputs."""
@@ -273,7 +283,7 @@ class EnvironmentFiles:
         writer = self._writer(printer)
         statements: list[Statement] = []
         if uses_time((equations, system.next_values)) or self._integration.depends_on_time:
-            statements.append(define("const double", "time", call("csp_seconds", _plant("now"))))
+            statements.append(define("const double", "time", call("csp_seconds", own("now"))))
         for name in (*discrete, *continuous):
             variable = self._variable(name, fixed=name not in continuous)
             statements.append(define(variable.type_name, variable.name, self._signal(name)))
@@ -305,7 +315,7 @@ class EnvironmentFiles:
     def _integration_statements(
         self, system: SubmodelClass, printer: Printer, places: Mapping[str, str]
     ) -> list[Statement]:
-        elapsed = infix("-", SUM, code("now"), _plant("now"))
+        elapsed = infix("-", SUM, code("now"), own("now"))
         interval = call("csp_seconds", elapsed)
         count: Code | None = None
         statements: list[Statement] = []
@@ -345,9 +355,11 @@ class EnvironmentFiles:
 
         statements: list[Statement] = []
         if uses_time((tuple(part for equation in equations for part in values(equation)),)):
-            statements.append(define("const double", "time", call("csp_seconds", _plant("now"))))
+            statements.append(define("const double", "time", call("csp_seconds", own("now"))))
         statements += [*writer.equations(equations, target), return_value("true")]
-        return Function(f"static bool {self.name}_evaluate", (KERNEL,), with_kernel(statements))
+        return Function(
+            f"static bool {self.name}_evaluate", (KERNEL, f"struct {self.name} *self"), with_kernel(statements)
+        )
 
     # ---- The simulated devices behind the ports of the program
 
@@ -402,19 +414,16 @@ class EnvironmentFiles:
         return define("const struct network_drivers", f"{self.name}_drivers", drivers)
 
     def _driver(self, port: ExternalPort) -> Aggregate:
-        member, function = _plant(self._members[port.key]), code(self._transfer(port))
+        member, function = code("present").field(self._members[port.key]), code(self._transfer(port))
         device, nothing = member if port.medium == "event" else address(member), code("NULL")
         parts = (device, nothing, function) if port.direction == "out" else (device, function, nothing)
         return Aggregate(tuple((None, part) for part in parts))
 
     def _table(self) -> Statement:
         functions = (code(f"{self.name}_start"), code(f"{self.name}_advance"))
-        parts = tuple((None, part) for part in (duration(self.environment.step), *functions))
+        all_parts = (duration(self.environment.step), *functions, address(code("present")))
+        parts = tuple((None, part) for part in all_parts)
         return define("const csp_environment", self.name, Aggregate(parts))
-
-
-def _plant(member: str) -> Code:
-    return code("plant").field(member)
 
 
 def environment_files(environment: Environment, network: Network, names: PackageNames, types: CTypes) -> dict[str, str]:

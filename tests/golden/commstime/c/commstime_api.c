@@ -133,6 +133,11 @@ int64_t commstime_next(commstime_instance *self)
     return csp_next(&self->network.kernel);
 }
 
+void commstime_hand_over(commstime_instance *self, int64_t instant)
+{
+    csp_hand_over(&self->network.kernel, instant);
+}
+
 void commstime_finish(commstime_instance *self)
 {
     csp_finish(&self->network.kernel);

@@ -28,7 +28,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define COMMSTIME_SIZE 1000U
+#define COMMSTIME_SIZE 1008U
 typedef union commstime_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -87,6 +87,11 @@ static inline bool commstime_continues(commstime_state state)
 
 /* The next instant at which something is due; INT64_MAX: nothing but events. */
 int64_t commstime_next(commstime_instance *self);
+
+/* Hands over what the outputs have for this instant, up to which everything is done, before
+ * commstime_advance takes its samples: for simulators that exchange values between steps.
+ */
+void commstime_hand_over(commstime_instance *self, int64_t instant);
 
 /* Ends the run, and hands over safe values. */
 void commstime_finish(commstime_instance *self);

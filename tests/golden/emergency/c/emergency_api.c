@@ -36,6 +36,13 @@ static bool read_feedback(void *device, void *value)
     return came;
 }
 
+static bool poll_panel(void *device, void *value)
+{
+    const emergency_instance *const self = device;
+    return self->hooks.poll(self->hooks.context,
+        EMERGENCY_EVENT_PANEL, value);
+}
+
 static void write_control(void *device, const void *value)
 {
     emergency_instance *const self = device;
@@ -96,7 +103,7 @@ static void alive(void *context)
 static void connect(emergency_instance *self)
 {
     const struct network_drivers drivers = {
-        .panel = {.device = NULL},
+        .panel = {.device = self, .read = (self->hooks.poll != NULL) ? poll_panel : NULL},
         .feedback = {.device = self, .read = read_feedback},
         .control = {.device = self, .write = write_control},
         .brake = {.device = self, .write = write_brake},
@@ -160,6 +167,7 @@ emergency_instance *emergency_begin(void *memory, size_t size,
     self->kernel_hooks.real_time = given.real_time;
     self->kernel_hooks.lock = lock;
     self->kernel_hooks.unlock = unlock;
+    self->kernel_hooks.grid = given.grid;
     self->kernel_hooks.wake = wake;
     self->kernel_hooks.alive = alive;
     (void)memcpy(self->build, build, sizeof build);
@@ -201,6 +209,11 @@ emergency_state emergency_advance(emergency_instance *self, int64_t until,
 int64_t emergency_next(emergency_instance *self)
 {
     return csp_next(&self->network.kernel);
+}
+
+void emergency_hand_over(emergency_instance *self, int64_t instant)
+{
+    csp_hand_over(&self->network.kernel, instant);
 }
 
 void emergency_finish(emergency_instance *self)

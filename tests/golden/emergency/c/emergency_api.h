@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define EMERGENCY_SIZE 1760U
+#define EMERGENCY_SIZE 1784U
 typedef union emergency_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -60,6 +60,11 @@ typedef enum emergency_output {
     EMERGENCY_OUT_HALTED
 } emergency_output;
 
+/* A name for each event. */
+typedef enum emergency_event {
+    EMERGENCY_EVENT_PANEL
+} emergency_event;
+
 /* What the program asks of you. `context` is passed to all functions. */
 typedef struct emergency_hooks {
     void *context;
@@ -70,6 +75,13 @@ typedef struct emergency_hooks {
     bool real_time;
     /* Stores the sample of this input in its member of `inputs`; false: there is no new one. */
     bool (*sample)(void *context, emergency_input input, emergency_inputs *inputs);
+    /* Stores the value of this event, of the type that its function has; false: it has not
+     * occurred. Asked at each multiple of `grid`, before samples are taken. NULL: events come by
+     * their functions only.
+     */
+    bool (*poll)(void *context, emergency_event event, void *value);
+    /* Nanoseconds; 0: the greatest common divisor of the periods, or 1 ms. */
+    int64_t grid;
     /* Hands this output over. `safe`: it is its safe value, and its last. */
     void (*actuate)(void *context, emergency_output output,
         const emergency_outputs *outputs, bool safe);
@@ -116,6 +128,11 @@ static inline bool emergency_continues(emergency_state state)
 
 /* The next instant at which something is due; INT64_MAX: nothing but events. */
 int64_t emergency_next(emergency_instance *self);
+
+/* Hands over what the outputs have for this instant, up to which everything is done, before
+ * emergency_advance takes its samples: for simulators that exchange values between steps.
+ */
+void emergency_hand_over(emergency_instance *self, int64_t instant);
 
 /* Ends the run, and hands over safe values. */
 void emergency_finish(emergency_instance *self);

@@ -5,16 +5,7 @@
 #include "csp_arithmetic.h"
 #include "types.h"
 
-static struct {
-    int64_t now; /* in nanoseconds */
-    enum emergency_button panel[2]; /* present and last */
-    double feedback;
-    double control;
-    bool brake;
-    bool halted;
-    double wheel_w;
-    double wheel_inertia;
-} plant;
+static struct workshop_environment present;
 
 static bool poll_emergency_button(void *device, void *value)
 {
@@ -42,72 +33,74 @@ static void write_bool(void *device, const void *value)
     *(bool *)device = *(const bool *)value;
 }
 
-static inline double workshop_environment_slopes(csp_kernel *csp, double wheel_w,
-    double wheel_voltage, bool wheel_brake)
+static inline double workshop_environment_slopes(csp_kernel *csp,
+    const struct workshop_environment *self, double wheel_w, double wheel_voltage, bool wheel_brake)
 {
     const double wheel_motor = 0.05 * (wheel_voltage - 0.05 * wheel_w) / 1.0; /* emergency.csp:49 */
     const double wheel_braked = wheel_brake ? 0.002 * wheel_w : 0.0; /* emergency.csp:50 */
-    const double slope = csp_divide(csp, wheel_motor - wheel_braked, plant.wheel_inertia);
+    const double slope = csp_divide(csp, wheel_motor - wheel_braked, self->wheel_inertia);
     csp_fault_in(csp, "emergency.csp:51");
     return slope;
 }
 
-static bool workshop_environment_evaluate(csp_kernel *csp)
+static bool workshop_environment_evaluate(csp_kernel *csp, struct workshop_environment *self)
 {
     (void)csp;
-    const double time = csp_seconds(plant.now);
-    const double wheel_speed = plant.wheel_w; /* emergency.csp:52 */
+    const double time = csp_seconds(self->now);
+    const double wheel_speed = self->wheel_w; /* emergency.csp:52 */
     /* emergency.csp:59 */
     const enum emergency_button operator_button = (time < 0.1)
         ? EMERGENCY_BUTTON_NONE
         : ((time < 0.9) ? EMERGENCY_BUTTON_START : EMERGENCY_BUTTON_EMERGENCY);
-    plant.panel[0] = operator_button; /* emergency.csp:66 */
-    plant.feedback = wheel_speed; /* emergency.csp:67 */
+    self->panel[0] = operator_button; /* emergency.csp:66 */
+    self->feedback = wheel_speed; /* emergency.csp:67 */
     return true;
 }
 
-static bool workshop_environment_start(csp_kernel *csp)
+static bool workshop_environment_start(csp_kernel *csp, void *state)
 {
-    plant.now = 0;
-    plant.wheel_inertia = 2e-4; /* emergency.csp:43 */
-    plant.wheel_w = 0.0; /* emergency.csp:48 */
-    (void)workshop_environment_evaluate(csp);
-    plant.panel[1] = plant.panel[0];
+    struct workshop_environment *const self = state;
+    self->now = 0;
+    self->wheel_inertia = 2e-4; /* emergency.csp:43 */
+    self->wheel_w = 0.0; /* emergency.csp:48 */
+    (void)workshop_environment_evaluate(csp, self);
+    self->panel[1] = self->panel[0];
     return !csp_faulted(csp);
 }
 
-static bool workshop_environment_advance(csp_kernel *csp, int64_t now)
+static bool workshop_environment_advance(csp_kernel *csp, void *state, int64_t now)
 {
-    double wheel_w = plant.wheel_w;
-    const double wheel_voltage = plant.control; /* emergency.csp:68 */
-    const bool wheel_brake = plant.brake; /* emergency.csp:69 */
-    const double h = csp_seconds(now - plant.now);
+    struct workshop_environment *const self = state;
+    double wheel_w = self->wheel_w;
+    const double wheel_voltage = self->control; /* emergency.csp:68 */
+    const bool wheel_brake = self->brake; /* emergency.csp:69 */
+    const double h = csp_seconds(now - self->now);
     const double half = h / 2.0;
     const double sixth = h / 6.0;
-    const double k1 = workshop_environment_slopes(csp, wheel_w, wheel_voltage, wheel_brake);
+    const double k1 = workshop_environment_slopes(csp, self, wheel_w, wheel_voltage, wheel_brake);
     const double k2 =
-        workshop_environment_slopes(csp, wheel_w + half * k1, wheel_voltage, wheel_brake);
+        workshop_environment_slopes(csp, self, wheel_w + half * k1, wheel_voltage, wheel_brake);
     const double k3 =
-        workshop_environment_slopes(csp, wheel_w + half * k2, wheel_voltage, wheel_brake);
+        workshop_environment_slopes(csp, self, wheel_w + half * k2, wheel_voltage, wheel_brake);
     const double k4 =
-        workshop_environment_slopes(csp, wheel_w + h * k3, wheel_voltage, wheel_brake);
+        workshop_environment_slopes(csp, self, wheel_w + h * k3, wheel_voltage, wheel_brake);
     wheel_w += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
     if (csp_faulted(csp) || !csp_is_finite(wheel_w)) {
         csp_finite_at(csp, wheel_w, "emergency.csp:51");
         CSP_CHECK_LAW("emergency.csp:51");
     }
-    plant.wheel_w = wheel_w;
-    plant.now = now;
-    return workshop_environment_evaluate(csp);
+    self->wheel_w = wheel_w;
+    self->now = now;
+    return workshop_environment_evaluate(csp, self);
 }
 
 const struct network_drivers workshop_environment_drivers = {
-    .panel = {plant.panel, poll_emergency_button, NULL},
-    .feedback = {&plant.feedback, read_double, NULL},
-    .control = {&plant.control, NULL, write_double},
-    .brake = {&plant.brake, NULL, write_bool},
-    .halted = {&plant.halted, NULL, write_bool}
+    .panel = {present.panel, poll_emergency_button, NULL},
+    .feedback = {&present.feedback, read_double, NULL},
+    .control = {&present.control, NULL, write_double},
+    .brake = {&present.brake, NULL, write_bool},
+    .halted = {&present.halted, NULL, write_bool}
 };
 
 const csp_environment workshop_environment =
-    {2 * CSP_MS, workshop_environment_start, workshop_environment_advance};
+    {2 * CSP_MS, workshop_environment_start, workshop_environment_advance, &present};

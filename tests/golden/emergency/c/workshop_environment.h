@@ -7,8 +7,20 @@
 
 #include "network.h"
 
-/* What is behind the ports of the program. */
-extern const struct network_drivers workshop_environment_drivers;
+/* The state of the plant and the operator, with their signals. */
+struct workshop_environment {
+    int64_t now; /* in nanoseconds */
+    enum emergency_button panel[2]; /* present and last */
+    double feedback;
+    double control;
+    bool brake;
+    bool halted;
+    double wheel_w;
+    double wheel_inertia;
+};
+
+/* One of them, and what it is behind the ports of the program. */
 extern const csp_environment workshop_environment;
+extern const struct network_drivers workshop_environment_drivers;
 
 #endif

@@ -72,6 +72,13 @@ static bool read_feedback_vertical(void *device, void *value)
     return came;
 }
 
+static bool poll_joystick_buttons(void *device, void *value)
+{
+    const jiwy_instance *const self = device;
+    return self->hooks.poll(self->hooks.context,
+        JIWY_EVENT_JOYSTICK_BUTTONS, value);
+}
+
 static void write_control_horizontal(void *device, const void *value)
 {
     jiwy_instance *const self = device;
@@ -125,7 +132,10 @@ static void connect(jiwy_instance *self)
     const struct network_drivers drivers = {
         .joystick_horizontal = {.device = self, .read = read_joystick_horizontal},
         .joystick_vertical = {.device = self, .read = read_joystick_vertical},
-        .joystick_buttons = {.device = NULL},
+        .joystick_buttons = {
+            .device = self,
+            .read = (self->hooks.poll != NULL) ? poll_joystick_buttons : NULL
+        },
         .feedback_horizontal = {.device = self, .read = read_feedback_horizontal},
         .feedback_vertical = {.device = self, .read = read_feedback_vertical},
         .control_horizontal = {.device = self, .write = write_control_horizontal},
@@ -189,6 +199,7 @@ jiwy_instance *jiwy_begin(void *memory, size_t size,
     self->kernel_hooks.real_time = given.real_time;
     self->kernel_hooks.lock = lock;
     self->kernel_hooks.unlock = unlock;
+    self->kernel_hooks.grid = given.grid;
     self->kernel_hooks.wake = wake;
     self->kernel_hooks.alive = alive;
     (void)memcpy(self->build, build, sizeof build);
@@ -230,6 +241,11 @@ jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
 int64_t jiwy_next(jiwy_instance *self)
 {
     return csp_next(&self->network.kernel);
+}
+
+void jiwy_hand_over(jiwy_instance *self, int64_t instant)
+{
+    csp_hand_over(&self->network.kernel, instant);
 }
 
 void jiwy_finish(jiwy_instance *self)

@@ -5,44 +5,7 @@
 #include "csp_arithmetic.h"
 #include "types.h"
 
-static struct {
-    int64_t now; /* in nanoseconds */
-    double joystick_horizontal;
-    double joystick_vertical;
-    int64_t joystick_buttons[2]; /* present and last */
-    double feedback_horizontal;
-    double feedback_vertical;
-    double control_horizontal;
-    double control_vertical;
-    double pan_angle;
-    double pan_speed;
-    double tilt_angle;
-    double tilt_speed;
-    double pan_start;
-    double pan_left;
-    double pan_damper;
-    double pan_right;
-    double pan_inertia;
-    double pan_mass;
-    double pan_viscous;
-    double pan_gravity;
-    double pan_coulomb;
-    double pan_stiction;
-    double pan_creep;
-    double pan_settling;
-    double tilt_start;
-    double tilt_left;
-    double tilt_damper;
-    double tilt_right;
-    double tilt_inertia;
-    double tilt_mass;
-    double tilt_viscous;
-    double tilt_gravity;
-    double tilt_coulomb;
-    double tilt_stiction;
-    double tilt_creep;
-    double tilt_settling;
-} plant;
+static struct bench_environment present;
 
 static bool read_double(void *device, void *value)
 {
@@ -73,64 +36,64 @@ struct bench_environment_slopes {
 };
 
 static inline struct bench_environment_slopes bench_environment_slopes(csp_kernel *csp,
-    double pan_angle, double pan_speed, double tilt_angle, double tilt_speed, double pan_voltage,
-    double tilt_voltage)
+    const struct bench_environment *self, double pan_angle, double pan_speed, double tilt_angle,
+    double tilt_speed, double pan_voltage, double tilt_voltage)
 {
     /* plant.csp:35 */
-    const double pan_stop = (pan_angle < plant.pan_left)
-        ? csp_max(0.0, stiffness * (plant.pan_left - pan_angle) - plant.pan_damper * pan_speed)
-        : ((pan_angle > plant.pan_right)
-            ? csp_min(0.0, stiffness * (plant.pan_right - pan_angle) - plant.pan_damper * pan_speed)
+    const double pan_stop = (pan_angle < self->pan_left)
+        ? csp_max(0.0, stiffness * (self->pan_left - pan_angle) - self->pan_damper * pan_speed)
+        : ((pan_angle > self->pan_right)
+            ? csp_min(0.0, stiffness * (self->pan_right - pan_angle) - self->pan_damper * pan_speed)
             : 0.0);
     /* plant.csp:35 */
-    const double tilt_stop = (tilt_angle < plant.tilt_left)
-        ? csp_max(0.0, stiffness * (plant.tilt_left - tilt_angle) - plant.tilt_damper * tilt_speed)
-        : ((tilt_angle > plant.tilt_right)
+    const double tilt_stop = (tilt_angle < self->tilt_left)
+        ? csp_max(0.0, stiffness * (self->tilt_left - tilt_angle) - self->tilt_damper * tilt_speed)
+        : ((tilt_angle > self->tilt_right)
             ? csp_min(0.0,
-                stiffness * (plant.tilt_right - tilt_angle) - plant.tilt_damper * tilt_speed)
+                stiffness * (self->tilt_right - tilt_angle) - self->tilt_damper * tilt_speed)
             : 0.0);
     /* plant.csp:40 */
     const double pan_torque = drive * (pan_voltage - induction * pan_speed)
-        - plant.pan_viscous * pan_speed
-        - plant.pan_gravity * csp_sin(pan_angle)
+        - self->pan_viscous * pan_speed
+        - self->pan_gravity * csp_sin(pan_angle)
         + pan_stop;
     /* plant.csp:42 */
-    const double pan_friction = (fabs(pan_speed) < plant.pan_creep)
-        ? csp_limit(pan_torque + csp_divide(csp, plant.pan_mass * pan_speed, plant.pan_settling),
-            -plant.pan_stiction, plant.pan_stiction)
-        : ((pan_speed > 0.0) ? plant.pan_coulomb : -plant.pan_coulomb);
+    const double pan_friction = (fabs(pan_speed) < self->pan_creep)
+        ? csp_limit(pan_torque + csp_divide(csp, self->pan_mass * pan_speed, self->pan_settling),
+            -self->pan_stiction, self->pan_stiction)
+        : ((pan_speed > 0.0) ? self->pan_coulomb : -self->pan_coulomb);
     csp_fault_in(csp, "plant.csp:42");
     /* plant.csp:40 */
     const double tilt_torque = drive * (tilt_voltage - induction * tilt_speed)
-        - plant.tilt_viscous * tilt_speed
-        - plant.tilt_gravity * csp_sin(tilt_angle)
+        - self->tilt_viscous * tilt_speed
+        - self->tilt_gravity * csp_sin(tilt_angle)
         + tilt_stop;
     /* plant.csp:42 */
-    const double tilt_friction = (fabs(tilt_speed) < plant.tilt_creep)
+    const double tilt_friction = (fabs(tilt_speed) < self->tilt_creep)
         ? csp_limit(
-            tilt_torque + csp_divide(csp, plant.tilt_mass * tilt_speed, plant.tilt_settling),
-            -plant.tilt_stiction, plant.tilt_stiction)
-        : ((tilt_speed > 0.0) ? plant.tilt_coulomb : -plant.tilt_coulomb);
+            tilt_torque + csp_divide(csp, self->tilt_mass * tilt_speed, self->tilt_settling),
+            -self->tilt_stiction, self->tilt_stiction)
+        : ((tilt_speed > 0.0) ? self->tilt_coulomb : -self->tilt_coulomb);
     csp_fault_in(csp, "plant.csp:42");
     struct bench_environment_slopes slopes;
     slopes.pan_angle = pan_speed;
-    slopes.pan_speed = csp_divide(csp, pan_torque - pan_friction, plant.pan_mass);
+    slopes.pan_speed = csp_divide(csp, pan_torque - pan_friction, self->pan_mass);
     csp_fault_in(csp, "plant.csp:48");
     slopes.tilt_angle = tilt_speed;
-    slopes.tilt_speed = csp_divide(csp, tilt_torque - tilt_friction, plant.tilt_mass);
+    slopes.tilt_speed = csp_divide(csp, tilt_torque - tilt_friction, self->tilt_mass);
     csp_fault_in(csp, "plant.csp:48");
     return slopes;
 }
 
-static bool bench_environment_evaluate(csp_kernel *csp)
+static bool bench_environment_evaluate(csp_kernel *csp, struct bench_environment *self)
 {
-    const double time = csp_seconds(plant.now);
+    const double time = csp_seconds(self->now);
     /* plant.csp:49 */
     const double pan_encoder =
-        csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts);
+        csp_quantize(self->pan_angle - self->pan_start, 2.0 * CSP_PI / counts);
     /* plant.csp:49 */
     const double tilt_encoder =
-        csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts);
+        csp_quantize(self->tilt_angle - self->tilt_start, 2.0 * CSP_PI / counts);
     /* plant.csp:57 */
     const double hand_stick = ((time < 7.5) || (time >= 12.5))
         ? 0.0
@@ -140,11 +103,11 @@ static bool bench_environment_evaluate(csp_kernel *csp)
     const double hand_x = hand_stick; /* plant.csp:64 */
     const double hand_y = -hand_stick; /* plant.csp:65 */
     const int64_t hand_buttons = ((time >= 12.5) && (time < 12.7)) ? 2 : 0; /* plant.csp:66 */
-    plant.feedback_horizontal = pan_encoder; /* jiwy.csp:175 */
-    plant.feedback_vertical = tilt_encoder; /* jiwy.csp:176 */
-    plant.joystick_horizontal = hand_x; /* jiwy.csp:177 */
-    plant.joystick_vertical = hand_y; /* jiwy.csp:178 */
-    plant.joystick_buttons[0] = hand_buttons; /* jiwy.csp:179 */
+    self->feedback_horizontal = pan_encoder; /* jiwy.csp:175 */
+    self->feedback_vertical = tilt_encoder; /* jiwy.csp:176 */
+    self->joystick_horizontal = hand_x; /* jiwy.csp:177 */
+    self->joystick_vertical = hand_y; /* jiwy.csp:178 */
+    self->joystick_buttons[0] = hand_buttons; /* jiwy.csp:179 */
     /* A sum is finite only if its terms are. */
     if (!csp_is_finite(pan_encoder + tilt_encoder)) {
         csp_finite_at(csp, pan_encoder, "plant.csp:49");
@@ -154,66 +117,68 @@ static bool bench_environment_evaluate(csp_kernel *csp)
     return true;
 }
 
-static bool bench_environment_start(csp_kernel *csp)
+static bool bench_environment_start(csp_kernel *csp, void *state)
 {
-    plant.now = 0;
-    plant.pan_start = 0.3; /* plant.csp:26 */
-    plant.pan_left = -1.62; /* plant.csp:26 */
-    plant.pan_damper = 0.3; /* plant.csp:26 */
-    plant.pan_right = 1.5; /* plant.csp:26 */
-    plant.pan_inertia = 1e-3; /* plant.csp:25 */
-    plant.pan_mass = plant.pan_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
-    plant.pan_viscous = 1e-3; /* plant.csp:25 */
-    plant.pan_gravity = 0.0; /* plant.csp:25 */
-    plant.pan_coulomb = 0.012; /* plant.csp:25 */
-    plant.pan_stiction = 1.3 * plant.pan_coulomb; /* plant.csp:41 */
-    plant.pan_creep = 0.02; /* plant.csp:27 */
-    plant.pan_settling = 0.002; /* plant.csp:27 */
-    plant.tilt_start = -0.4; /* plant.csp:26 */
-    plant.tilt_left = -2.05; /* plant.csp:26 */
-    plant.tilt_damper = 0.15; /* plant.csp:26 */
-    plant.tilt_right = 1.85; /* plant.csp:26 */
-    plant.tilt_inertia = 3e-4; /* plant.csp:25 */
-    plant.tilt_mass = plant.tilt_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
-    plant.tilt_viscous = 5e-4; /* plant.csp:25 */
-    plant.tilt_gravity = 0.01; /* plant.csp:25 */
-    plant.tilt_coulomb = 0.008; /* plant.csp:25 */
-    plant.tilt_stiction = 1.3 * plant.tilt_coulomb; /* plant.csp:41 */
-    plant.tilt_creep = 0.04; /* plant.csp:27 */
-    plant.tilt_settling = 0.002; /* plant.csp:27 */
-    plant.pan_angle = plant.pan_start; /* plant.csp:32 */
-    plant.pan_speed = 0.0; /* plant.csp:33 */
-    plant.tilt_angle = plant.tilt_start; /* plant.csp:32 */
-    plant.tilt_speed = 0.0; /* plant.csp:33 */
-    (void)bench_environment_evaluate(csp);
-    plant.joystick_buttons[1] = plant.joystick_buttons[0];
+    struct bench_environment *const self = state;
+    self->now = 0;
+    self->pan_start = 0.3; /* plant.csp:26 */
+    self->pan_left = -1.62; /* plant.csp:26 */
+    self->pan_damper = 0.3; /* plant.csp:26 */
+    self->pan_right = 1.5; /* plant.csp:26 */
+    self->pan_inertia = 1e-3; /* plant.csp:25 */
+    self->pan_mass = self->pan_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
+    self->pan_viscous = 1e-3; /* plant.csp:25 */
+    self->pan_gravity = 0.0; /* plant.csp:25 */
+    self->pan_coulomb = 0.012; /* plant.csp:25 */
+    self->pan_stiction = 1.3 * self->pan_coulomb; /* plant.csp:41 */
+    self->pan_creep = 0.02; /* plant.csp:27 */
+    self->pan_settling = 0.002; /* plant.csp:27 */
+    self->tilt_start = -0.4; /* plant.csp:26 */
+    self->tilt_left = -2.05; /* plant.csp:26 */
+    self->tilt_damper = 0.15; /* plant.csp:26 */
+    self->tilt_right = 1.85; /* plant.csp:26 */
+    self->tilt_inertia = 3e-4; /* plant.csp:25 */
+    self->tilt_mass = self->tilt_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
+    self->tilt_viscous = 5e-4; /* plant.csp:25 */
+    self->tilt_gravity = 0.01; /* plant.csp:25 */
+    self->tilt_coulomb = 0.008; /* plant.csp:25 */
+    self->tilt_stiction = 1.3 * self->tilt_coulomb; /* plant.csp:41 */
+    self->tilt_creep = 0.04; /* plant.csp:27 */
+    self->tilt_settling = 0.002; /* plant.csp:27 */
+    self->pan_angle = self->pan_start; /* plant.csp:32 */
+    self->pan_speed = 0.0; /* plant.csp:33 */
+    self->tilt_angle = self->tilt_start; /* plant.csp:32 */
+    self->tilt_speed = 0.0; /* plant.csp:33 */
+    (void)bench_environment_evaluate(csp, self);
+    self->joystick_buttons[1] = self->joystick_buttons[0];
     return !csp_faulted(csp);
 }
 
-static bool bench_environment_advance(csp_kernel *csp, int64_t now)
+static bool bench_environment_advance(csp_kernel *csp, void *state, int64_t now)
 {
-    double pan_angle = plant.pan_angle;
-    double pan_speed = plant.pan_speed;
-    double tilt_angle = plant.tilt_angle;
-    double tilt_speed = plant.tilt_speed;
-    const double pan_voltage = plant.control_horizontal; /* jiwy.csp:173 */
-    const double tilt_voltage = plant.control_vertical; /* jiwy.csp:174 */
-    const int64_t steps = (now - plant.now + CSP_MS - 1) / CSP_MS;
-    const double h = csp_seconds(now - plant.now) / (double)steps;
+    struct bench_environment *const self = state;
+    double pan_angle = self->pan_angle;
+    double pan_speed = self->pan_speed;
+    double tilt_angle = self->tilt_angle;
+    double tilt_speed = self->tilt_speed;
+    const double pan_voltage = self->control_horizontal; /* jiwy.csp:173 */
+    const double tilt_voltage = self->control_vertical; /* jiwy.csp:174 */
+    const int64_t steps = (now - self->now + CSP_MS - 1) / CSP_MS;
+    const double h = csp_seconds(now - self->now) / (double)steps;
     const double half = h / 2.0;
     const double sixth = h / 6.0;
     for (int64_t step = 0; step < steps; step++) {
-        const struct bench_environment_slopes k1 = bench_environment_slopes(csp, pan_angle,
+        const struct bench_environment_slopes k1 = bench_environment_slopes(csp, self, pan_angle,
             pan_speed, tilt_angle, tilt_speed, pan_voltage, tilt_voltage);
-        const struct bench_environment_slopes k2 = bench_environment_slopes(csp,
+        const struct bench_environment_slopes k2 = bench_environment_slopes(csp, self,
             pan_angle + half * k1.pan_angle, pan_speed + half * k1.pan_speed,
             tilt_angle + half * k1.tilt_angle, tilt_speed + half * k1.tilt_speed, pan_voltage,
             tilt_voltage);
-        const struct bench_environment_slopes k3 = bench_environment_slopes(csp,
+        const struct bench_environment_slopes k3 = bench_environment_slopes(csp, self,
             pan_angle + half * k2.pan_angle, pan_speed + half * k2.pan_speed,
             tilt_angle + half * k2.tilt_angle, tilt_speed + half * k2.tilt_speed, pan_voltage,
             tilt_voltage);
-        const struct bench_environment_slopes k4 = bench_environment_slopes(csp,
+        const struct bench_environment_slopes k4 = bench_environment_slopes(csp, self,
             pan_angle + h * k3.pan_angle, pan_speed + h * k3.pan_speed,
             tilt_angle + h * k3.tilt_angle, tilt_speed + h * k3.tilt_speed, pan_voltage,
             tilt_voltage);
@@ -234,23 +199,23 @@ static bool bench_environment_advance(csp_kernel *csp, int64_t now)
         csp_finite_at(csp, tilt_speed, "plant.csp:48");
         CSP_CHECK_LAW("plant.csp:48");
     }
-    plant.pan_angle = pan_angle;
-    plant.pan_speed = pan_speed;
-    plant.tilt_angle = tilt_angle;
-    plant.tilt_speed = tilt_speed;
-    plant.now = now;
-    return bench_environment_evaluate(csp);
+    self->pan_angle = pan_angle;
+    self->pan_speed = pan_speed;
+    self->tilt_angle = tilt_angle;
+    self->tilt_speed = tilt_speed;
+    self->now = now;
+    return bench_environment_evaluate(csp, self);
 }
 
 const struct network_drivers bench_environment_drivers = {
-    .joystick_horizontal = {&plant.joystick_horizontal, read_double, NULL},
-    .joystick_vertical = {&plant.joystick_vertical, read_double, NULL},
-    .joystick_buttons = {plant.joystick_buttons, poll_int64, NULL},
-    .feedback_horizontal = {&plant.feedback_horizontal, read_double, NULL},
-    .feedback_vertical = {&plant.feedback_vertical, read_double, NULL},
-    .control_horizontal = {&plant.control_horizontal, NULL, write_double},
-    .control_vertical = {&plant.control_vertical, NULL, write_double}
+    .joystick_horizontal = {&present.joystick_horizontal, read_double, NULL},
+    .joystick_vertical = {&present.joystick_vertical, read_double, NULL},
+    .joystick_buttons = {present.joystick_buttons, poll_int64, NULL},
+    .feedback_horizontal = {&present.feedback_horizontal, read_double, NULL},
+    .feedback_vertical = {&present.feedback_vertical, read_double, NULL},
+    .control_horizontal = {&present.control_horizontal, NULL, write_double},
+    .control_vertical = {&present.control_vertical, NULL, write_double}
 };
 
 const csp_environment bench_environment =
-    {CSP_MS, bench_environment_start, bench_environment_advance};
+    {CSP_MS, bench_environment_start, bench_environment_advance, &present};

@@ -28,7 +28,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define JIWY_SIZE 9040U
+#define JIWY_SIZE 9064U
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -62,6 +62,11 @@ typedef enum jiwy_output {
     JIWY_OUT_CONTROL_VERTICAL
 } jiwy_output;
 
+/* A name for each event. */
+typedef enum jiwy_event {
+    JIWY_EVENT_JOYSTICK_BUTTONS
+} jiwy_event;
+
 /* What the program asks of you. `context` is passed to all functions. */
 typedef struct jiwy_hooks {
     void *context;
@@ -72,6 +77,13 @@ typedef struct jiwy_hooks {
     bool real_time;
     /* Stores the sample of this input in its member of `inputs`; false: there is no new one. */
     bool (*sample)(void *context, jiwy_input input, jiwy_inputs *inputs);
+    /* Stores the value of this event, of the type that its function has; false: it has not
+     * occurred. Asked at each multiple of `grid`, before samples are taken. NULL: events come by
+     * their functions only.
+     */
+    bool (*poll)(void *context, jiwy_event event, void *value);
+    /* Nanoseconds; 0: the greatest common divisor of the periods, or 1 ms. */
+    int64_t grid;
     /* Hands this output over. `safe`: it is its safe value, and its last. */
     void (*actuate)(void *context, jiwy_output output,
         const jiwy_outputs *outputs, bool safe);
@@ -118,6 +130,11 @@ static inline bool jiwy_continues(jiwy_state state)
 
 /* The next instant at which something is due; INT64_MAX: nothing but events. */
 int64_t jiwy_next(jiwy_instance *self);
+
+/* Hands over what the outputs have for this instant, up to which everything is done, before
+ * jiwy_advance takes its samples: for simulators that exchange values between steps.
+ */
+void jiwy_hand_over(jiwy_instance *self, int64_t instant);
 
 /* Ends the run, and hands over safe values. */
 void jiwy_finish(jiwy_instance *self);
