@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Sequence
-from decimal import Decimal
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from cspdiag.model.constants.durations import in_seconds
 from cspdiag.model.types import (
@@ -26,6 +25,9 @@ from cspdiag.model.types import (
     Type,
     UnknownType,
 )
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 
 class UndefinedError(Exception):
@@ -67,6 +69,9 @@ def _shown(value: float, type_: IntType | TimeType) -> str:
     """A number that is out of range."""
     if abs(value) < 10**40:
         return in_seconds(int(value)) if isinstance(type_, TimeType) else str(value)
+    # Only messages need it, and it takes a hundredth of the start of `check` to load.
+    from decimal import Decimal
+
     exact = Decimal(value)
     if exact.is_infinite():
         return "infinite"
