@@ -24,6 +24,7 @@ PLAIN = (
 )
 PORTS = "submodel Law {\n%s\n\n  y = x\n}\n"
 
+DEVICE = 'driver D device "gamepad" {\n  out buttons : int\n}\n'
 FIXES = [
     ("E0101", PLAIN.replace("process", "procss") % "taken ! n", PLAIN % "taken ! n"),
     ("E0101", PLAIN.replace("var", "vra") % "taken ! n", PLAIN % "taken ! n"),
@@ -75,6 +76,8 @@ FIXES = [
      PORTS.replace("Law", "Law method = tustin") % "  in  x : double\n  out y : double"),
     ("E0602", PLAIN % "(given ? n [] after 1 ms -> skip) ; taken ! n",
      PLAIN % "(given ? n -> skip [] after 1 ms -> skip) ; taken ! n"),
+    ("E0830", DEVICE.replace("gamepad", "gampad"), DEVICE),
+    ("E0831", DEVICE.replace("buttons", "butons"), DEVICE),
     ("E0122", f'import "{MAIN}"\n\nconst period = 1 ms\n', "const period = 1 ms\n"),
 ]  # fmt: skip
 """Codes, programs with a mistake, and the same programs fixed; apart from the mistake they are in the

@@ -47,7 +47,8 @@ def test_nodes_are_instances_ports_and_environments(jiwy: networkx.MultiDiGraph)
         "process": 11,
         "submodel": 8,
         "port": 7,
-        "environment": 2,
+        "environment": 3,
+        "driver": 1,
     }
     facts = dict(jiwy.nodes["Jiwy.horizontal.alignL.velocity"])
     assert facts.pop("arguments")["dwell"] == "100 ms"

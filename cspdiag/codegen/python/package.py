@@ -14,7 +14,7 @@ from importlib.resources.abc import Traversable
 from cspdiag.base.record import EMPTY
 from cspdiag.codegen.python.plain.definitions import constant_lines, enum_views, exception_views, struct_views
 from cspdiag.codegen.python.plain.environments import EnvironmentModule, environment_module
-from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.plain.external import ExternalModules, device_modules
 from cspdiag.codegen.python.plain.network import network_view
 from cspdiag.codegen.python.plain.processes import process_module
 from cspdiag.codegen.python.plain.submodels import submodel_module
@@ -105,6 +105,7 @@ def frame(
     if copies:
         add(f"{package}/external/__init__.py", "external.py.j2")
         files.update({f"{package}/external/{path}": text for path, text in copies.items()})
+    files.update({f"{package}/devices/{path}": text for path, text in device_modules(network).items()})
     files.update({f"{package}/runtime/{path}": text for path, text in runtime_files().items()})
     return files
 

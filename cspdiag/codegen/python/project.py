@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.docs import sentence
-from cspdiag.codegen.python.plain.external import ExternalModules, installed_modules
+from cspdiag.codegen.python.plain.external import ExternalModules, devices_of, installed_modules
 from cspdiag.codegen.python.text.literals import docstring
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.shared.package_text import markdown, markdown_code, toml_string
@@ -43,6 +43,9 @@ class Project:
     environments: list[str]
     copied: bool
     installed: list[str]
+    devices: bool
+    requirements: list[tuple[str, tuple[str, ...]]]
+    """What devices need: the name of an extra, and its requirements."""
 
 
 def project_view(network: Network, names: PackageNames, modules: ExternalModules) -> Project:
@@ -51,6 +54,7 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
     doc = sentence(top.doc or network.doc or f"The process {network.top}, generated from its CSP diagram.")
     summary = doc.split("\n\n")[0]
     source = network.source.rpartition("/")[2]
+    devices = devices_of(network)
     return Project(
         package=names.package,
         distribution=names.package.strip("_").replace("_", "-"),
@@ -64,6 +68,8 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
         environments=[entry.name for entry in network.environments],
         copied=bool(modules.copies(network)),
         installed=installed_modules(network, modules),
+        devices=bool(devices),
+        requirements=[(device.extra, device.requirements) for device in devices if device.requirements],
     )
 
 

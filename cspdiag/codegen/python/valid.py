@@ -9,13 +9,13 @@ from cspdiag.codegen.shared.render import Replacement, TemplateError
 
 
 def require_valid(files: Mapping[str, str], templates: Mapping[str, Replacement] = EMPTY) -> None:
-    """Compiles the modules of a package, but for those that were written by hand and for the runtime.
+    """Compiles the modules of a package, but for those that were written by hand, the runtime and devices.
 
     Raises TemplateError where the user's templates make something else than Python; without any, the SyntaxError is a
     mistake of the generator.
     """
     for path, text in files.items():
-        if not path.endswith(".py") or "/runtime/" in path or "/external/" in path:
+        if not path.endswith(".py") or any(f"/{folder}/" in path for folder in ("runtime", "external", "devices")):
             continue
         try:
             compile(text, path, "exec", dont_inherit=True)

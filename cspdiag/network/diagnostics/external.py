@@ -59,7 +59,7 @@ class DriverWithoutBody(Diagnostic):
 
     @property
     def help(self) -> str:
-        return f'name its class: `driver {self.driver} python "module.py:{self.driver}"`'
+        return f'name its class or a device: `driver {self.driver} python "module.py:{self.driver}"`, `device "udp"`'
 
 
 @record

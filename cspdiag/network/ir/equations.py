@@ -15,7 +15,9 @@ from cspdiag.network.ir.expressions import Expression
 
 @record(kw_only=True)
 class ExternalBody:
-    """A body in another language: ``target`` is ``module.py:Class`` or a C file; ``span`` is where it is named."""
+    """A body in another language: ``target`` is ``module.py:Class``, a C file or the name of a device, and ``span`` is
+    where it is named.
+    """
 
     language: str
     target: str

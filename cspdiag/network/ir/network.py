@@ -252,12 +252,17 @@ class ExternalPort(Declared):
 
 @record(kw_only=True)
 class DriverInstance(Declared):
-    """A device in an environment; ``connections`` are (driver port, external port of the program)."""
+    """A driver in an environment; ``connections`` are (driver port, external port of the program).
+
+    ``outputs`` and ``inputs`` are the ports that its definition declares.
+    """
 
     definition: str
     external: ExternalBody
     arguments: tuple[tuple[str, Value], ...]
     connections: tuple[tuple[str, str], ...]
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
 
 
 @record(kw_only=True)

@@ -286,6 +286,9 @@ def _driver(
         for own, other in ((wire.source, wire.sink), (wire.sink, wire.source)):
             if own.member == member.name:
                 connections.append((own.port, other.port))
+    ports: dict[str, list[str]] = {"in": [], "out": []}
+    for symbol in program.scopes.get(definition, Scope()).ports.values():
+        ports[symbol.declaration.direction] += elements_of(program, symbol, {**member.values, **values}, report)
     return DriverInstance(
         name=member.name,
         doc=member.declaration.doc or definition.doc,
@@ -294,4 +297,6 @@ def _driver(
         external=external_body(definition.external),
         arguments=tuple((p.name.text, values[p]) for p in definition.parameters if p in values),
         connections=tuple(connections),
+        outputs=tuple(ports["out"]),
+        inputs=tuple(ports["in"]),
     )

@@ -10,6 +10,7 @@ from keyword import iskeyword
 from cspdiag.base import Report
 from cspdiag.base.record import record
 from cspdiag.model.program import Program
+from cspdiag.network.checks.devices import check_device
 from cspdiag.network.diagnostics.external import DriverWithoutBody, MalformedTarget, MixedBody, UnsupportedLanguage
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.submodels.inline import external_body
@@ -85,6 +86,9 @@ def check(program: Program, report: Report) -> None:
             continue
         kind = _KINDS[type(definition)]
         language = external.language.text
+        if isinstance(definition, ast.DriverDefinition) and language == "device":
+            check_device(program, definition, external, report)
+            continue
         pattern = _TARGETS.get(language)
         if pattern is None or (kind == "driver" and language != "python"):
             report.add(UnsupportedLanguage(external.language.span, language, kind))

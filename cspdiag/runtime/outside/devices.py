@@ -77,6 +77,9 @@ class Devices:
             if id(device) in seen:
                 continue
             seen.add(id(device))
+            if not self._clock.real and getattr(device, "needs_real_time", False):
+                reason = ValueError("it needs real time: run with --real-time")
+                raise DriverFailed(DriverError(name_of(device), port.name, "open", reason))
             opening = getattr(device, "open", None)
             if opening is not None:
                 self.watch.call(Call(name_of(device), port.name, "open", None), opening)

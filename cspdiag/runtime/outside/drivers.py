@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, Generic, Protocol, TypeVar
 
 from ..kernel.exceptions import DriverError, RunFailed
@@ -13,7 +14,8 @@ class Driver(Protocol):
     """One port's side of a device: ``read`` for an input, ``write`` for an output.
 
     It may have ``open()`` and ``close()``, called before and after the run, and ``blocking = True`` if its calls may
-    wait: in real time they are then made outside the scheduler's thread. See ``watch`` for how long a call may take.
+    wait: in real time they are then made outside the scheduler's thread. A device with several ports may instead name
+    those ports. With ``needs_real_time = True`` it refuses virtual time. See ``watch`` for how long a call may take.
     """
 
 
@@ -38,7 +40,8 @@ class DevicePort:
         self.device = device
         self.port = port
         self.name = name_of(device)
-        self.blocking = bool(getattr(device, "blocking", False))
+        blocking = getattr(device, "blocking", False)
+        self.blocking = port in blocking if isinstance(blocking, Collection) else bool(blocking)
 
     def read(self) -> Any:
         """One value of the port."""

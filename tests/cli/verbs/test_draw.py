@@ -69,9 +69,10 @@ def test_standard_input_is_drawn_too(cspdiag: Command, good: Path) -> None:
 @needs_engine
 def test_all_pictures_go_into_a_folder(cspdiag: Command, tmp_path: Path) -> None:
     result = cspdiag("draw", JIWY, "--all", "-o", tmp_path / "my diagrams", "--diagram", "communication")
-    assert (result.code, result.err) == (0, f"wrote 7 pictures to {tmp_path / 'my diagrams'}\n")
+    assert (result.code, result.err) == (0, f"wrote 8 pictures to {tmp_path / 'my diagrams'}\n")
     assert {path.name for path in (tmp_path / "my diagrams").iterdir()} == {
-        f"{name}.svg" for name in ("Align", "MotionControl", "Homing", "JointControl", "Jiwy", "Bench", "Worn")
+        f"{name}.svg"
+        for name in ("Align", "MotionControl", "Homing", "JointControl", "Jiwy", "Bench", "Worn", "Gamepad")
     }
 
 
@@ -81,7 +82,7 @@ def test_all_pictures_go_into_one_below_each_other(cspdiag: Command, tmp_path: P
     assert cspdiag("draw", JIWY, "--all", "-o", path, "--diagram", "communication").code == 0
     assert cspdiag("draw", JIWY, "--process", "Align", "-o", single, "--diagram", "communication").code == 0
     drawn, alone = path.read_text(), single.read_text()
-    names = ["Align", "MotionControl", "Homing", "JointControl", "Jiwy", "Bench", "Worn"]
+    names = ["Align", "MotionControl", "Homing", "JointControl", "Jiwy", "Bench", "Worn", "Gamepad"]
     assert f"<title>{', '.join(names)}</title>" in drawn
     assert "<desc>" not in drawn
     assert "<desc>" in alone

@@ -68,7 +68,7 @@ def test_every_part_in_python_is_named_with_its_place_and_a_help() -> None:
 
 
 def test_the_devices_of_an_environment_are_refused_where_it_is_to_run() -> None:
-    with pytest.raises(TargetError, match=r"rig.csp:30: the device `Stick` is a Python class \(stick.py:Stick\)"):
+    with pytest.raises(TargetError, match=r"rig.csp:30: the driver `Stick` is a Python class \(stick.py:Stick\)"):
         refuse_devices(network(PROGRAM).environments[0])
 
 

@@ -31,7 +31,7 @@ def refuse(network: Network, texts: Mapping[str, str] | None = None) -> None:
 
 
 def refuse_devices(environment: Environment) -> None:
-    """Raises TargetError for an environment with devices, because they are Python classes."""
+    """Raises TargetError for an environment with drivers, because they are Python classes."""
     if environment.drivers:
         raise TargetError("\n".join(_device(driver.definition, driver.external) for driver in environment.drivers))
 
@@ -60,6 +60,11 @@ def _text_refusal(definition: str, parameter: str, body: ExternalBody) -> str:
 
 
 def _device(definition: str, body: ExternalBody) -> str:
-    what = f"the device `{definition}` is a Python class ({body.target}), which a native program cannot call"
+    class_ = (
+        f'the device "{body.target}", a Python class'
+        if body.language == "device"
+        else f"a Python class ({body.target})"
+    )
+    what = f"the driver `{definition}` is {class_}, which a native program cannot call"
     help_ = "choose an environment of submodels with --environment, or leave out --target c"
     return f"{body.span}: {what}\n  help: {help_}"

@@ -27,6 +27,7 @@ from cspdiag.codegen.python.text.code import (
     counted_to,
     infix,
     own,
+    tuple_of,
     typed,
 )
 from cspdiag.codegen.python.text.imports import Imports
@@ -50,10 +51,11 @@ from cspdiag.codegen.shared.equations import (
     uses_time,
     values,
 )
+from cspdiag.devices.catalogue import DEVICES
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.network import Environment, Network, SubmodelClass, SubmodelState
+from cspdiag.network.ir.network import DriverInstance, Environment, Network, SubmodelClass, SubmodelState
 from cspdiag.network.ir.zero import zero
 
 ELAPSED = infix("-", SUM, Name("now"), own("now"))
@@ -174,7 +176,8 @@ class EnvironmentWriter:
             external: (device, port) for device in self.environment.drivers for port, external in device.connections
         }
         for device in self.environment.drivers:
-            given = {name: literal(value, _type_of(value), self.imports) for name, value in device.arguments}
+            given = dict(self._ports_of(device))
+            given |= {name: literal(value, _type_of(value), self.imports) for name, value in device.arguments}
             made = self.modules.construct(device.external, given, self.imports)
             statements.append(assign(own(self.names[device.name]), made))
         for port in self.network.external_ports:
@@ -201,6 +204,16 @@ class EnvironmentWriter:
         type_ = f"{mapping}[str, {driver_type}]"
         statements.append(Assign(own("drivers"), Items("{}", tuple(entries)), annotation=type_))
         return Function("__init__", ("self",), tuple(statements))
+
+    def _ports_of(self, driver: DriverInstance) -> Iterable[tuple[str, Code]]:
+        """The arguments with the ports of a device that has those which its driver declares, and what they are for."""
+        if driver.external.language != "device" or DEVICES[driver.external.target].outputs is not None:
+            return
+        sampled = {port.key: port.sampling is not None for port in self.network.external_ports}
+        uses = {own: "sampled" if sampled[key] else "event" for own, key in driver.connections if key in sampled}
+        entries = (Entry(quoted(name), Constant(quoted(uses.get(name, "unused")))) for name in driver.outputs)
+        yield "outputs", Items("{}", tuple(entries))
+        yield "inputs", tuple_of(Constant(quoted(name)) for name in driver.inputs)
 
     def _start(self) -> Function:
         statements: list[Statement] = [*self._at_time_0()]

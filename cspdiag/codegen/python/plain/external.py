@@ -6,6 +6,8 @@ import ast
 import posixpath
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from importlib.resources import files as package_files
+from typing import Literal
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
@@ -15,6 +17,7 @@ from cspdiag.codegen.python.text.names import Names, identifier
 from cspdiag.codegen.python.text.statements import Statement, assign, unpack
 from cspdiag.codegen.python.text.types import accepted
 from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.devices.catalogue import DEVICES, Device
 from cspdiag.model.types import Type, has_single
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
 from cspdiag.network.ir.external import external_bodies
@@ -23,11 +26,14 @@ from cspdiag.network.ir.network import Network, Port
 
 @record
 class Body:
-    """The known facts of an external class: where it is imported from, and which optional parts it has."""
+    """The known facts of an external class: where it is imported from, and which optional parts it has.
+
+    ``folder`` is that of the package in which a copy of its module is; empty for an installed module.
+    """
 
     module: str
     name: str
-    copied: bool
+    folder: Literal["", "external", "devices"]
     has_reset: bool
     takes_time: bool
 
@@ -49,6 +55,9 @@ class ExternalModules:
 
         Raises TargetError for a body in another language, or a class that its module does not have.
         """
+        if body.language == "device":
+            device = DEVICES[body.target]
+            return Body(device.module, device.class_, folder="devices", has_reset=False, takes_time=False)
         if body.language != "python":
             raise TargetError(f"{body.span}: the Python target cannot run a body in {body.language}")
         file, _, name = body.target.rpartition(":")
@@ -56,14 +65,14 @@ class ExternalModules:
         text = None if path is None else self._texts.get(path)
         if path is None or text is None:
             module = file.removesuffix(".py").replace("/", ".")
-            return Body(module, name, copied=False, has_reset=False, takes_time=False)
+            return Body(module, name, folder="", has_reset=False, takes_time=False)
         methods = _methods(text, name)
         if methods is None:
             raise TargetError(f"{body.span}: {file} has no class `{name}`")
         return Body(
             self._modules[path],
             name,
-            copied=True,
+            folder="external",
             has_reset="reset" in methods,
             takes_time="time" in methods.get("calculate", ()),
         )
@@ -76,7 +85,7 @@ class ExternalModules:
     def imported(self, body: ExternalBody, imports: Imports) -> str:
         """The name of the class in a module that imports it."""
         facts = self.describe(body)
-        return imports.body(facts.module, facts.name, copied=facts.copied)
+        return imports.body(facts.module, facts.name, folder=facts.folder)
 
     def copies(self, network: Network) -> dict[str, str]:
         """Files of the folder ``external``, adapted to import the runtime of the package."""
@@ -86,6 +95,24 @@ class ExternalModules:
             if path is not None and path in self._texts:
                 files[f"{self._modules[path]}.py"] = _relative_imports(self._texts[path])
         return files
+
+
+def devices_of(network: Network) -> list[Device]:
+    """The devices that a network names, each once."""
+    return [DEVICES[name] for name in sorted({body.target for body in bodies(network) if body.language == "device"})]
+
+
+def device_modules(network: Network) -> dict[str, str]:
+    """The modules of the devices that a network names, and those that they import, by path from their folder."""
+    wanted = [device.module for device in devices_of(network)]
+    found = {"__init__.py": '"""Devices that the program names, copied from cspdiag."""\n'} if wanted else {}
+    while wanted:
+        module = wanted.pop()
+        text = package_files("cspdiag.devices").joinpath(f"{module}.py").read_text(encoding="utf-8")
+        found[f"{module}.py"] = text
+        imported = re.findall(r"^from \.(\w+) import", text, flags=re.MULTILINE)
+        wanted += (name for name in imported if f"{name}.py" not in found)
+    return found
 
 
 def external_call(
@@ -139,7 +166,7 @@ def source_path(body: ExternalBody) -> str | None:
 def installed_modules(network: Network, modules: ExternalModules) -> list[str]:
     """Modules of bodies that are not part of the package."""
     described = (modules.describe(body) for body in bodies(network))
-    return list(dict.fromkeys(body.module for body in described if not body.copied))
+    return list(dict.fromkeys(body.module for body in described if not body.folder))
 
 
 def external_paths(network: Network) -> tuple[str, ...]:

@@ -69,12 +69,12 @@ class Imports:
             return None
         return self._from("constants", python)
 
-    def body(self, module: str, name: str, *, copied: bool) -> str:
-        """A class written by hand, from a module that was copied into the package or from an installed one.
+    def body(self, module: str, name: str, *, folder: str) -> str:
+        """A class written by hand, from a module that was copied into a folder of the package or from an installed one.
 
         It is imported as ``<name>Body`` if the package already uses its name.
         """
-        wanted = self._relative[f"external.{module}"] if copied else self._installed[module]
+        wanted = self._relative[f"{folder}.{module}"] if folder else self._installed[module]
         taken = name in self._taken or name in self.names.environments.values()
         wanted.add(f"{name} as {name}Body" if taken else name)
         return f"{name}Body" if taken else name

@@ -36,7 +36,7 @@ MEMBERS = words(
 PROCESS_MEMBERS = MEMBERS | words("kind steps start end fail blame checked tracked _enclosing")
 """The same with those of ``Routine``: a generated process has the same names at every level of optimization."""
 
-MODULES = words("network constants types exceptions runtime environments external")
+MODULES = words("network constants types exceptions runtime environments external devices")
 """Modules of a generated package, which no class may be stored in."""
 
 

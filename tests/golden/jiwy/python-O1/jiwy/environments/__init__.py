@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from .bench import Bench
+from .gamepad import Gamepad
 from .worn import Worn
 
 ENVIRONMENTS: dict[str, type] = {
     "Bench": Bench,
     "Worn": Worn,
+    "Gamepad": Gamepad,
 }

@@ -1,0 +1,147 @@
+"""What devices there are, and what each offers. The compiler reads this, and nothing else of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal, TypeAlias
+
+from cspdiag.base.record import record
+
+TypeName: TypeAlias = Literal["bool", "double", "int", "text", "time"]
+ValueName: TypeAlias = Literal["bool", "double", "int", "array"]
+
+
+@record
+class OfferedPort:
+    """A port; ``count`` is how many there are whose names end with a number, from 0."""
+
+    name: str
+    type: TypeName
+    doc: str
+    count: int = 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the ports."""
+        return tuple(f"{self.name}{at}" for at in range(self.count)) if self.count else (self.name,)
+
+
+@record
+class OfferedParameter:
+    """A parameter; without a ``default``, as the language writes it, a driver has to declare it."""
+
+    name: str
+    type: TypeName
+    doc: str
+    default: str | None = None
+
+
+@record
+class Device:
+    """A device: its class, and what it offers.
+
+    ``extra`` of cspdiag installs its ``requirements``, if there are any. ``outputs`` are the ports that it has; None:
+    those that the driver declares, in both directions, of the types ``values`` (arrays: of the others). Then a
+    parameter ``PORT_SUFFIX`` of a driver says what a port is: ``address`` is that suffix, its type and what it means.
+    """
+
+    name: str
+    class_: str
+    summary: str
+    extra: str
+    requirements: tuple[str, ...]
+    parameters: tuple[OfferedParameter, ...]
+    outputs: tuple[OfferedPort, ...] | None = None
+    values: tuple[ValueName, ...] = ("bool", "int", "double")
+    address: OfferedParameter | None = None
+
+    @property
+    def module(self) -> str:
+        """The module in ``cspdiag.devices``."""
+        return self.name
+
+    def output(self, name: str) -> OfferedPort | None:
+        """The port of this name, if the device has a fixed set of ports."""
+        return next((port for port in self.outputs or () if name in port.names), None)
+
+
+_WAITS = (
+    OfferedParameter("patience", "time", "how long the first value of each sampled port may take", "10 s"),
+    OfferedParameter("timeout", "time", "how long a sampled port may be silent after that; 0 s: without limit", "0 s"),
+)
+
+_ALL = (
+    Device(
+        "gamepad",
+        "Gamepad",
+        "gamepads and joysticks",
+        "gamepad",
+        ("pygame-ce>=2.5",),
+        (
+            OfferedParameter("index", "int", "which one of those that are plugged in", "0"),
+            OfferedParameter("dead_zone", "double", "below this an axis is at rest", "0.05"),
+        ),
+        (
+            OfferedPort("x", "double", "first stick, -1 (left) to 1 (right); the same as axis0"),
+            OfferedPort("y", "double", "first stick, -1 (up) to 1 (down); the same as axis1"),
+            OfferedPort("axis", "double", "any axis, -1 to 1", 8),
+            OfferedPort("hat_x", "int", "directional pad: -1, 0 or 1 (right)"),
+            OfferedPort("hat_y", "int", "directional pad: -1, 0 or 1 (up)"),
+            OfferedPort("button", "bool", "whether the first button is pressed; the same as button0"),
+            OfferedPort("button", "bool", "whether a button is pressed", 16),
+            OfferedPort("buttons", "int", "all buttons: 1 for the first, 2 for the second, 4 for the third, added up"),
+        ),
+    ),
+    Device(
+        "serial",
+        "Serial",
+        "boards behind a serial line or USB, with lines of text",
+        "serial",
+        ("pyserial>=3.5",),
+        (
+            OfferedParameter("path", "text", "such as /dev/ttyUSB0 or COM3"),
+            OfferedParameter("baud", "int", "the speed in bits a second", "115200"),
+            *_WAITS,
+        ),
+        values=("bool", "int", "double", "array"),
+    ),
+    Device(
+        "udp",
+        "Udp",
+        "datagrams of JSON or of C structures",
+        "",
+        (),
+        (
+            OfferedParameter("port", "int", "the port to listen at; 0: any", "0"),
+            OfferedParameter("bind", "text", "the interface to listen at; 0.0.0.0: all", '"127.0.0.1"'),
+            OfferedParameter("to", "text", "HOST:PORT to send to; empty: to the last sender", '""'),
+            OfferedParameter("out_format", "text", "the `out` ports as a C structure, such as <hf; empty: JSON", '""'),
+            OfferedParameter("in_format", "text", "the `in` ports as a C structure; empty: JSON", '""'),
+            *_WAITS,
+        ),
+        values=("bool", "int", "double", "array"),
+    ),
+)
+
+DEVICES = {device.name: device for device in _ALL}
+"""The devices by name."""
+
+
+def port_names(device: Device) -> tuple[str, ...]:
+    """The names of the ports of a device with a fixed set of ports."""
+    return tuple(name for port in device.outputs or () for name in port.names)
+
+
+def parameter_names(device: Device, ports: Iterable[str]) -> tuple[str, ...]:
+    """The parameters that a driver with these ports may declare."""
+    suffix = () if device.address is None else (f"{port}_{device.address.name}" for port in ports)
+    return (*(parameter.name for parameter in device.parameters), *suffix)
+
+
+def parameter(device: Device, name: str, ports: Iterable[str]) -> OfferedParameter | None:
+    """What the parameter of this name is in a driver with these ports."""
+    for offered in device.parameters:
+        if offered.name == name:
+            return offered
+    address = device.address
+    return address if address is not None and any(name == f"{port}_{address.name}" for port in ports) else None

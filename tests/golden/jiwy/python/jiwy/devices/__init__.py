@@ -1,0 +1,1 @@
+"""Devices that the program names, copied from cspdiag."""

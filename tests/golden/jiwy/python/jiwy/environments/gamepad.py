@@ -1,0 +1,201 @@
+"""The environment Gamepad."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import ceil, pi
+
+from ..constants import counts, drive, induction, ratio, rotorInertia, stiffness
+from ..devices.gamepad import Gamepad as GamepadBody
+from ..runtime import DevicePort, Driver, Signal, finite, limit, ms, power, quantize, s, sin
+
+pan_start = 0.3  # plant.csp:26
+pan_left = -1.62  # plant.csp:26
+pan_damper = 0.3  # plant.csp:26
+pan_right = 1.5  # plant.csp:26
+pan_inertia = 1e-3  # plant.csp:25
+pan_mass = pan_inertia + power(ratio, 2.0) * rotorInertia  # plant.csp:39
+pan_viscous = 1e-3  # plant.csp:25
+pan_gravity = 0.0  # plant.csp:25
+pan_coulomb = 0.012  # plant.csp:25
+pan_stiction = 1.3 * pan_coulomb  # plant.csp:41
+pan_creep = 0.02  # plant.csp:27
+pan_settling = 0.002  # plant.csp:27
+tilt_start = -0.4  # plant.csp:26
+tilt_left = -2.05  # plant.csp:26
+tilt_damper = 0.15  # plant.csp:26
+tilt_right = 1.85  # plant.csp:26
+tilt_inertia = 3e-4  # plant.csp:25
+tilt_mass = tilt_inertia + power(ratio, 2.0) * rotorInertia  # plant.csp:39
+tilt_viscous = 5e-4  # plant.csp:25
+tilt_gravity = 0.01  # plant.csp:25
+tilt_coulomb = 0.008  # plant.csp:25
+tilt_stiction = 1.3 * tilt_coulomb  # plant.csp:41
+tilt_creep = 0.04  # plant.csp:27
+tilt_settling = 0.002  # plant.csp:27
+
+
+class Gamepad:
+    """The machine of the bench in real time, and a gamepad in a real hand.
+
+    Source: jiwy.csp:210
+    """
+
+    step = 1 * ms
+    on_miss = "count"
+
+    def __init__(self) -> None:
+        self.now = 0
+        self.pad = GamepadBody(index=0)
+        self.feedback_horizontal = Signal[float](0.0)
+        self.feedback_vertical = Signal[float](0.0)
+        self.control_horizontal = Signal[float](0.0)
+        self.control_vertical = Signal[float](0.0)
+        self.drivers: Mapping[str, Driver] = {
+            "joystick_horizontal": DevicePort(self.pad, "x"),
+            "joystick_vertical": DevicePort(self.pad, "y"),
+            "joystick_buttons": DevicePort(self.pad, "buttons"),
+            "feedback_horizontal": self.feedback_horizontal,
+            "feedback_vertical": self.feedback_vertical,
+            "control_horizontal": self.control_horizontal,
+            "control_vertical": self.control_vertical,
+        }
+
+    def start(self) -> None:
+        """Go to time 0 and evaluate the outputs."""
+        self.now = 0
+        self.pan_angle = pan_start
+        self.pan_speed = 0.0
+        self.tilt_angle = tilt_start
+        self.tilt_speed = 0.0
+        self._evaluate()
+
+    def advance(self, now: int) -> None:
+        """Integrate to `now` (in nanoseconds) with the inputs held, and evaluate the outputs."""
+        control_horizontal = self.control_horizontal.value
+        control_vertical = self.control_vertical.value
+        pan_angle = self.pan_angle
+        pan_speed = self.pan_speed
+        tilt_angle = self.tilt_angle
+        tilt_speed = self.tilt_speed
+        pan_voltage = control_horizontal  # jiwy.csp:221
+        tilt_voltage = control_vertical  # jiwy.csp:222
+        steps = ceil((now - self.now) / (1 * ms))
+        h = (now - self.now) / s / steps
+        half = h / 2
+        sixth = h / 6
+        for _ in range(steps):
+            k1_pan_angle, k1_pan_speed, k1_tilt_angle, k1_tilt_speed = self._derivatives(
+                pan_angle, pan_speed, tilt_angle, tilt_speed, pan_voltage, tilt_voltage
+            )
+            k2_pan_angle, k2_pan_speed, k2_tilt_angle, k2_tilt_speed = self._derivatives(
+                pan_angle + half * k1_pan_angle,
+                pan_speed + half * k1_pan_speed,
+                tilt_angle + half * k1_tilt_angle,
+                tilt_speed + half * k1_tilt_speed,
+                pan_voltage,
+                tilt_voltage,
+            )
+            k3_pan_angle, k3_pan_speed, k3_tilt_angle, k3_tilt_speed = self._derivatives(
+                pan_angle + half * k2_pan_angle,
+                pan_speed + half * k2_pan_speed,
+                tilt_angle + half * k2_tilt_angle,
+                tilt_speed + half * k2_tilt_speed,
+                pan_voltage,
+                tilt_voltage,
+            )
+            k4_pan_angle, k4_pan_speed, k4_tilt_angle, k4_tilt_speed = self._derivatives(
+                pan_angle + h * k3_pan_angle,
+                pan_speed + h * k3_pan_speed,
+                tilt_angle + h * k3_tilt_angle,
+                tilt_speed + h * k3_tilt_speed,
+                pan_voltage,
+                tilt_voltage,
+            )
+            pan_angle += sixth * (
+                k1_pan_angle + 2.0 * k2_pan_angle + 2.0 * k3_pan_angle + k4_pan_angle
+            )
+            pan_speed += sixth * (
+                k1_pan_speed + 2.0 * k2_pan_speed + 2.0 * k3_pan_speed + k4_pan_speed
+            )
+            tilt_angle += sixth * (
+                k1_tilt_angle + 2.0 * k2_tilt_angle + 2.0 * k3_tilt_angle + k4_tilt_angle
+            )
+            tilt_speed += sixth * (
+                k1_tilt_speed + 2.0 * k2_tilt_speed + 2.0 * k3_tilt_speed + k4_tilt_speed
+            )
+        self.pan_angle = finite(pan_angle)  # plant.csp:47
+        self.pan_speed = finite(pan_speed)  # plant.csp:48
+        self.tilt_angle = finite(tilt_angle)  # plant.csp:47
+        self.tilt_speed = finite(tilt_speed)  # plant.csp:48
+        self.now = now
+        self._evaluate()
+
+    def _evaluate(self) -> None:
+        # plant.csp:49
+        pan_encoder = finite(quantize(self.pan_angle - pan_start, 2.0 * pi / counts))
+        # plant.csp:49
+        tilt_encoder = finite(quantize(self.tilt_angle - tilt_start, 2.0 * pi / counts))
+        self.feedback_horizontal.value = pan_encoder  # jiwy.csp:223
+        self.feedback_vertical.value = tilt_encoder  # jiwy.csp:224
+
+    def _derivatives(
+        self,
+        pan_angle: float,
+        pan_speed: float,
+        tilt_angle: float,
+        tilt_speed: float,
+        pan_voltage: float,
+        tilt_voltage: float,
+    ) -> tuple[float, float, float, float]:
+        # plant.csp:35
+        pan_stop = (
+            max(0.0, stiffness * (pan_left - pan_angle) - pan_damper * pan_speed)
+            if pan_angle < pan_left
+            else min(0.0, stiffness * (pan_right - pan_angle) - pan_damper * pan_speed)
+            if pan_angle > pan_right
+            else 0.0
+        )
+        # plant.csp:35
+        tilt_stop = (
+            max(0.0, stiffness * (tilt_left - tilt_angle) - tilt_damper * tilt_speed)
+            if tilt_angle < tilt_left
+            else min(0.0, stiffness * (tilt_right - tilt_angle) - tilt_damper * tilt_speed)
+            if tilt_angle > tilt_right
+            else 0.0
+        )
+        # plant.csp:40
+        pan_torque = (
+            drive * (pan_voltage - induction * pan_speed)
+            - pan_viscous * pan_speed
+            - pan_gravity * sin(pan_angle)
+            + pan_stop
+        )
+        # plant.csp:42
+        pan_friction = (
+            limit(pan_torque + pan_mass * pan_speed / pan_settling, -pan_stiction, pan_stiction)
+            if abs(pan_speed) < pan_creep
+            else pan_coulomb
+            if pan_speed > 0.0
+            else -pan_coulomb
+        )
+        # plant.csp:40
+        tilt_torque = (
+            drive * (tilt_voltage - induction * tilt_speed)
+            - tilt_viscous * tilt_speed
+            - tilt_gravity * sin(tilt_angle)
+            + tilt_stop
+        )
+        # plant.csp:42
+        tilt_friction = (
+            limit(
+                tilt_torque + tilt_mass * tilt_speed / tilt_settling, -tilt_stiction, tilt_stiction
+            )
+            if abs(tilt_speed) < tilt_creep
+            else tilt_coulomb
+            if tilt_speed > 0.0
+            else -tilt_coulomb
+        )
+        pan_speed_slope = (pan_torque - pan_friction) / pan_mass  # plant.csp:48
+        tilt_speed_slope = (tilt_torque - tilt_friction) / tilt_mass  # plant.csp:48
+        return pan_speed, pan_speed_slope, tilt_speed, tilt_speed_slope
