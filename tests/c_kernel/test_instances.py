@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -116,10 +117,25 @@ def test_a_driver_without_samples_and_with_a_nan(machine: Path) -> None:
 
 
 def test_a_restored_run_continues_as_the_saved_one(machine: Path) -> None:
-    restored, other, refusals, ended = run(machine, "restore").splitlines()
+    restored, other, accepted, ended, same, refusals = run(machine, "restore").splitlines()
     assert restored == other == f"state {MORE}: running; driven 79, last 79, released 0, afterwards 0"
-    assert refusals == "of another instance 0, of another build 0"
+    assert accepted == "of another instance 1"
+    assert ended == same
     assert ended.startswith(f"state {ENDED}")
+    assert refusals == "damaged 0, of another build 0"
+
+
+def test_another_process_continues_from_a_copy(machine: Path) -> None:
+    copies = [subprocess.run([machine, "keep"], stdout=subprocess.PIPE, check=True).stdout for _ in range(2)]
+    assert copies[0] == copies[1]
+    command = [machine, "go on"]
+    shown = subprocess.run(command, input=copies[0], stdout=subprocess.PIPE, check=True, timeout=60).stdout.decode()
+    failed, restored, running, ended, over = shown.splitlines()
+    assert failed.startswith(f"state {FAILED}: Timeout")
+    assert restored == "whole 1, restored 1, next 52"
+    assert running == f"state {MORE}: running; driven 5, last 4, released 0, afterwards 0"
+    assert ended.startswith(f"state {ENDED}: ended by itself; driven 5, last -1, released 2")
+    assert over == f"of a run that has ended 1, released 2, state {ENDED}"
 
 
 def test_events_can_be_polled_and_outputs_handed_over_before_samples_are_taken(machine: Path) -> None:

@@ -1,9 +1,12 @@
-/* A run in steps of random lengths: the traces have to be those of csp_run, whose place this file takes.
+/* A run in steps of random lengths: the traces have to be those of csp_run, whose place this file takes. Between the steps its state moves to another address, by
+ * way of a copy without pointers, and the memory where it was is overwritten.
  *
  * SEED is a number, which selects the steps. What csp_begin, csp_advance and csp_next promise is checked on the way.
  */
 #include "csp_internal.h"
 #include "csp_port.h"
+#include "network.h"
+#include "network_pointers.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,8 +50,38 @@ static uint32_t some_steps(void)
     return (chosen(3U) == 0U) ? 65536U : chosen(5U);
 }
 
-csp_ending csp_run(csp_kernel *csp, int64_t until)
+static struct network copy;
+static struct network again;
+
+/* A copy of the state without pointers. */
+static void save(struct network *to, const struct network *from)
 {
+    csp_pointer_visit visits[NETWORK_DEPTH];
+    const csp_saved_places places = {from, sizeof *from, &network_program};
+    (void)memcpy(to, from, sizeof *from);
+    csp_save_pointers(to, &network_pointers, visits, places);
+}
+
+/* Moves the state to another address; returns the kernel there. */
+static csp_kernel *moved(struct network *to, struct network *from)
+{
+    csp_pointer_visit visits[NETWORK_DEPTH];
+    const csp_saved_places places = {to, sizeof *to, &network_program};
+    save(&copy, from);
+    (void)memset(from, 0xA5, sizeof *from);
+    (void)memcpy(to, &copy, sizeof *to);
+    csp_restore_pointers(to, &network_pointers, visits, places);
+    save(&again, to);
+    require(memcmp(&again, &copy, sizeof copy) == 0, "a copy does not depend on where the state is");
+    csp_own(&to->kernel);
+    return &to->kernel;
+}
+
+csp_ending csp_run(csp_kernel *given, int64_t until)
+{
+    static struct network other;
+    struct network *const home = (struct network *)(void *)given;
+    csp_kernel *csp = given;
     const int64_t last = ((until >= 0) && (until < CSP_END_OF_TIME)) ? until : CSP_END_OF_TIME;
     int64_t end = 0;
     csp_own(csp);
@@ -63,6 +96,9 @@ csp_ending csp_run(csp_kernel *csp, int64_t until)
             end = next_end(csp, end);
             end = (end < last) ? end : last;
         }
+        if (chosen(3U) == 0U) {
+            csp = (csp == given) ? moved(&other, home) : moved(home, &other);
+        }
         ending = csp_advance(csp, end, some_steps());
         if (ending == CSP_MORE) {
             require(csp_next(csp) > end, "after a step nothing is due");
@@ -74,6 +110,7 @@ csp_ending csp_run(csp_kernel *csp, int64_t until)
             require(csp_advance(csp, end, 1U) == ending, "a run that has ended answers in the same way again");
         }
     }
+    csp = (csp == given) ? csp : moved(home, &other);
     if (ending == CSP_MORE) {
         require(csp_advance(csp, INT64_MAX, 1U) == CSP_REFUSED, "a step beyond the end of time is refused");
         ending = CSP_TIME_LIMIT;

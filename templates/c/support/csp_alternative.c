@@ -89,7 +89,7 @@ bool csp_time_outs_passed(csp_alternative *alternative)
     bool passed = false;
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
-        if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard) && (guard->with.duration <= 0)) {
+        if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard) && (guard->at.timer->duration <= 0)) {
             csp_set_bit(guard);
             passed = true;
         }
@@ -104,7 +104,7 @@ static void begin_time_outs(csp_kernel *csp, csp_alternative *alternative)
         if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard)) {
             guard->at.timer->party = NULL;
             guard->at.timer->guard = guard;
-            csp_timer_begin(csp, guard->at.timer, csp_after(csp, guard->with.duration));
+            csp_timer_begin(csp, guard->at.timer, csp_after(csp, guard->at.timer->duration));
         }
     }
 }

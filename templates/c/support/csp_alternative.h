@@ -59,10 +59,7 @@ struct csp_guard {
     bool direct : 1;      /* reads on a csp_guarded_channel that no other guard watches: while it is ready, the writer waits there */
     bool attends : 1;     /* the channel has to be notified when the alternative waits */
     bool is_enrolled : 1;
-    union {
-        csp_guard *enrolled; /* of a communication: the next guard that waits there, if alternatives are on both sides */
-        int64_t duration;    /* of a time-out */
-    } with;
+    csp_guard *enrolled;  /* of a communication: the next guard that waits there, if alternatives are on both sides */
 };
 
 /* Up to this number of guards an alternative has no words of its own, on any machine. */
@@ -150,7 +147,7 @@ static inline void csp_lower_bits(csp_guard *watchers)
 /* `words` has 2 * CSP_WORDS(count) words, or is NULL for up to CSP_WORD_BITS guards. */
 void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16_t count, csp_word *words,
                           bool prioritized);
-/* One call for every guard. `medium` is that of a csp_guarded_channel, csp_any_channel, csp_buffer, csp_broadcast or of a reading end. */
+/* One call for every guard; the duration of a time-out is set after it. `medium` is that of a csp_guarded_channel, csp_any_channel, csp_buffer, csp_broadcast or of a reading end. */
 void csp_guard_read(csp_alternative *alternative, uint32_t index, csp_medium *medium, void *value, size_t size);
 void csp_guard_ready(csp_alternative *alternative, uint32_t index, csp_medium *medium);
 void csp_guard_write(csp_alternative *alternative, uint32_t index, csp_medium *medium, void *value, size_t size);
@@ -166,7 +163,7 @@ void csp_enable_none(csp_alternative *alternative);
 void csp_enable(csp_alternative *alternative, uint32_t index);
 static inline void csp_delay(csp_alternative *alternative, uint32_t index, int64_t duration)
 {
-    alternative->guard[index].with.duration = duration;
+    alternative->guard[index].at.timer->duration = duration;
 }
 
 /* CSP_AWAIT(csp_select(party, a), csp_select_again(party, a), ...): afterwards `a->chosen` is the index of the guard, and its communication has

@@ -165,9 +165,7 @@ struct csp_kernel {
     uint64_t timers_begun;
     uint32_t begun;     /* number of alternatives that have begun to wait, modulo 2^32 */
     csp_error error;    /* of the operation that has just failed */
-#if CSP_TRACE
-    const char *volatile loop; /* place of the loop in which the process is and in which it cannot wait; NULL: none */
-#endif
+    const char *volatile loop; /* with CSP_TRACE: place of the loop in which the process is and in which it cannot wait; NULL: none */
     /* Instants */
     int64_t next_tick; /* of a port or the grid; INT64_MAX: none */
     int64_t grid;      /* the period at which the environment is evaluated and event inputs are polled; 0: none */

@@ -32,9 +32,9 @@ static void enroll_at(csp_guard **enrolled, csp_guard *guard)
 {
     csp_guard **place = enrolled;
     while ((*place != NULL) && began_before(*place, guard)) {
-        place = &(*place)->with.enrolled;
+        place = &(*place)->enrolled;
     }
-    guard->with.enrolled = *place;
+    guard->enrolled = *place;
     *place = guard;
 }
 
@@ -42,10 +42,10 @@ static void dismiss_from(csp_guard **enrolled, const csp_guard *guard)
 {
     csp_guard **found = enrolled;
     while ((*found != NULL) && (*found != guard)) {
-        found = &(*found)->with.enrolled;
+        found = &(*found)->enrolled;
     }
     if (*found != NULL) {
-        *found = guard->with.enrolled;
+        *found = guard->enrolled;
     }
 }
 

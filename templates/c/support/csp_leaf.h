@@ -82,11 +82,11 @@ typedef struct csp_connection {
 typedef struct csp_in {
     csp_connection connection;
     csp_medium *medium; /* where it waits */
-    union {
+    struct {
         csp_broadcast_end broadcast;
         csp_sampled_end sampled;
         csp_event_end event;
-    } end;
+    } end; /* one of these; a union could not be saved */
 } csp_in;
 
 typedef struct csp_out {

@@ -99,7 +99,8 @@ struct csp_timer {
     csp_timer *sibling;
     csp_timer *previous; /* the previous sibling, or for the first one the parent; NULL: the root, or not in the heap */
     csp_party *party;    /* the party that waits; NULL: see `guard` */
-    csp_guard *guard;    /* the guard with this time-out */
+    csp_guard *guard;    /* the guard with this time-out, */
+    int64_t duration;    /* and how long it is */
     bool runs;
 };
 

@@ -68,7 +68,7 @@ static void entry_of_guard(const csp_guard *guard, csp_wait_entry *entry)
         break;
     case CSP_GUARD_AFTER:
         entry->words = "after";
-        entry->duration = guard->with.duration;
+        entry->duration = guard->at.timer->duration;
         break;
     case CSP_GUARD_SKIP:
         entry->words = "skip";

@@ -222,11 +222,52 @@ static void restore(void)
     }
     show(self, machine_advance(self, 160 * MS, 1000U), &devices);
     show(other, machine_advance(other, 160 * MS, 1000U), &other_devices);
-    (void)printf("of another instance %d", machine_restore(other, &copy));
+    (void)machine_advance(self, 160 * MS, 1000U);
+    machine_save(self, &copy);
+    (void)printf("of another instance %d\n", machine_restore(other, &copy));
+    other_devices = devices;
+    (void)machine_button(self, true);
+    (void)machine_button(other, true);
+    show(self, machine_advance(self, 170 * MS, 1000U), &devices);
+    show(other, machine_advance(other, 170 * MS, 1000U), &other_devices);
+    copy.bytes[MACHINE_SIZE / 2U] ^= 1U;
+    (void)printf("damaged %d", machine_restore(self, &copy));
     (void)memset(&copy, 0, sizeof copy);
     (void)printf(", of another build %d\n", machine_restore(self, &copy));
+}
+
+/* A copy in a file, for another process. */
+static void keep(void)
+{
+    static machine_memory copy;
+    machine_instance *const self = begin(&memory, &devices, false);
+    (void)machine_advance(self, 50 * MS, 1000U);
+    machine_save(self, &copy);
+    (void)fwrite(&copy, sizeof copy, 1U, stdout);
+}
+
+/* Continues from the file, at another address, in an instance whose run has failed. */
+static void go_on(void)
+{
+    static machine_memory copy;
+    machine_instance *const self = begin(&other_memory, &other_devices, true);
+    (void)machine_advance(self, 3 * MS, 1000U);
+    show(self, machine_advance(self, 10 * MS, 1000U), &other_devices);
+    other_devices = devices;
+    const bool whole = fread(&copy, sizeof copy, 1U, stdin) == 1U;
+    (void)printf("whole %d, restored %d", whole, machine_restore(self, &copy));
+    (void)printf(", next %lld\n", (long long)(machine_next(self) / MS));
+    for (int64_t now = 51; now < 60; now++) {
+        (void)machine_advance(self, now * MS, 1000U);
+    }
+    show(self, machine_advance(self, 60 * MS, 1000U), &other_devices);
     (void)machine_button(self, true);
-    show(self, machine_advance(self, 170 * MS, 1000U), &devices);
+    show(self, machine_advance(self, 60 * MS, 1000U), &other_devices);
+    machine_save(self, &copy);
+    machine_instance *const driving = begin(&memory, &devices, false);
+    (void)machine_advance(driving, 10 * MS, 1000U);
+    (void)printf("of a run that has ended %d", machine_restore(driving, &copy));
+    (void)printf(", released %d, state %d\n", devices.released, (int)machine_advance(driving, 70 * MS, 1000U));
 }
 
 static bool poll(void *context, machine_event event, void *value)
@@ -265,7 +306,7 @@ int main(int count, char **arguments)
         const char *name;
         void (*run)(void);
     } parts[] = {{"refuse", refuse}, {"run", run}, {"reset", reset}, {"late", be_late}, {"bad", sample_badly},
-                 {"restore", restore}, {"exchange", exchange}};
+                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"go on", go_on}};
     for (size_t index = 0U; index < sizeof parts / sizeof parts[0]; index++) {
         if ((count > 1) && (strcmp(arguments[1], parts[index].name) == 0)) {
             parts[index].run();

@@ -9,6 +9,7 @@ from zlib import crc32
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.layout import Layout
+from cspdiag.codegen.c.interface.pointers import pointer_files
 from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.text.code import EQUALITY, Aggregate, Code, code, conditional, infix
 from cspdiag.codegen.c.text.documents import comment
@@ -173,6 +174,7 @@ class Interface:
         fields += [define(f"{name}_outputs", "outputs")] if self.outputs else []
         fields += [define("char", "build[9]"), define("const csp_program *", "program")]
         fields.append(define("const void *", "place", remark="where it was begun"))
+        fields.append(define("uint32_t", "checksum", remark="of a copy"))
         return "\n".join(lines([Block(tuple(fields), f"struct {name}_instance", "};")]))
 
     @property
@@ -211,8 +213,8 @@ class Interface:
             f"static bool poll_{self.members[port.key]}(void *device, void *value)",
             "{",
             f"    const {self.prefix}_instance *const self = device;",
-            "    return self->hooks.poll(self->hooks.context,",
-            f"        {self.literals[port.key]}, value);",
+            "    return (self->hooks.poll != NULL)",
+            f"        && self->hooks.poll(self->hooks.context, {self.literals[port.key]}, value);",
             "}",
         ]
 
@@ -271,10 +273,12 @@ def interface_files(
     interface = Interface(network, names, types)
     first = interface.text(0, "")
     texts = [*headers, render("api.h.j2", api=first), first.instance]
-    size = Layout(texts, {"CSP_LEVELS": _levels(files["csp_config.h"])}).size(f"{first.name}_instance")
+    layout = Layout(texts, {"CSP_LEVELS": _levels(files["csp_config.h"])})
     build = crc32("\0".join(text for _, text in sorted(files.items())).encode())
-    api = interface.text(size, f"{build:08x}")
-    return {f"{api.name}_api.h": render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
+    api = interface.text(layout.size(f"{first.name}_instance"), f"{build:08x}")
+    classes = {name for name in names.classes.values() if f"{name}.h" in files}
+    own = {f"{api.name}_api.h": render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
+    return {**own, **pointer_files(layout, classes)}
 
 
 def _levels(configuration: str) -> int:

@@ -6,7 +6,9 @@ Sizes are those of machines with pointers of 64 bits; with shorter ones no struc
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+
+from cspdiag.base.record import record
 
 _SCALARS = {
     "bool": 1, "char": 1, "int8_t": 1, "uint8_t": 1, "int16_t": 2, "uint16_t": 2, "int32_t": 4, "uint32_t": 4,
@@ -20,6 +22,43 @@ _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _DIRECTIVE = re.compile(r"^\s*#.*(?:\\\n.*)*$", re.MULTILINE)
 _DEFINITION = re.compile(r"\b(?:typedef\s+)?(struct|union|enum)\s+(\w+)\s*\{")
 _WORDS = re.compile(r"CSP_WORDS\((\d+)U?\)")
+_FUNCTION_POINTER = re.compile(r"\(\s*\*\s*(?:const\s+|volatile\s+)*(\w+)\s*\)")
+_QUALIFIER = re.compile(r"\b(?:const|volatile)\b")
+
+
+@record
+class Member:
+    """A member of a structure."""
+
+    name: str
+    type: str
+    """As it is written, without qualifiers; empty if it is a structure or a union without a name."""
+    is_pointer: bool
+    extents: tuple[str, ...]
+    """Of an array, as they are written."""
+    kind: str = ""
+    """`struct` or `union` without a name, and its members as text:"""
+    body: str = ""
+
+
+def members_of(body: str) -> Iterator[Member]:
+    """The members that are declared between the braces of a structure, one after the other."""
+    return map(_member, _declarations(body))
+
+
+def _member(declaration: str) -> Member:
+    inner = re.match(r"(struct|union)\s*\{", declaration)
+    kind = body = ""
+    rest = declaration
+    if inner:
+        kind, body = inner[1], _braces(declaration, inner.end())
+        rest = declaration[inner.end() + len(body) + 1 :]
+    extents = tuple(re.findall(r"\[([^\]]*)\]", rest))
+    plain = re.sub(r"\[[^\]]*\]|:\s*\d+\s*$", "", _QUALIFIER.sub("", rest)).strip()
+    function = _FUNCTION_POINTER.search(rest)
+    name = function[1] if function else re.findall(r"\w+", plain)[-1]
+    type_name = " ".join(plain.removesuffix(name).split())
+    return Member(name, "" if inner else type_name, "*" in rest, extents, kind, body)
 
 
 class Layout:
@@ -34,9 +73,25 @@ class Layout:
             for found in _DEFINITION.finditer(plain):
                 self._bodies[found[2]] = (found[1], _braces(plain, found.end()))
 
+    def definition(self, type_name: str) -> tuple[str, str]:
+        """`struct`, `union` or `enum`, and what is between the braces; empty for other types, and unknown ones."""
+        return self._bodies.get(type_name.rpartition(" ")[2], ("", ""))
+
     def size(self, name: str) -> int:
         """The bytes of a structure."""
         return self._of(name)[0]
+
+    def count(self, extents: Iterable[str]) -> int:
+        """The number of elements of an array: products of literals, constants and CSP_WORDS, which is largest for short
+        words.
+        """
+        product = 1
+        for extent in extents:
+            text = _WORDS.sub(lambda found: str(-(-int(found[1]) // 32)), extent)
+            for factor in re.findall(r"\w+", text):
+                number = re.fullmatch(r"(\d+)U?", factor)
+                product *= int(number[1]) if number else self._constants[factor]
+        return product
 
     def _of(self, name: str) -> tuple[int, int]:
         if name in _SCALARS:
@@ -48,37 +103,22 @@ class Layout:
 
     def _members(self, kind: str, body: str) -> tuple[int, int]:
         end, largest, alignment = 0, 1, 1
-        for declaration in _declarations(body):
-            size, align = self._member(declaration)
+        for member in members_of(body):
+            size, align = self._member(member)
             alignment = max(alignment, align)
             end = -(-end // align) * align + size
             largest = max(largest, size)
         whole = largest if kind == "union" else end
         return -(-max(whole, 1) // alignment) * alignment, alignment
 
-    def _member(self, declaration: str) -> tuple[int, int]:
-        inner = re.match(r"(struct|union)\s*\{", declaration)
-        if inner:
-            members = _braces(declaration, inner.end())
-            size, align = self._members(inner[1], members)
-            rest = declaration[inner.end() + len(members) :]
+    def _member(self, member: Member) -> tuple[int, int]:
+        if member.kind:
+            size, align = self._members(member.kind, member.body)
+        elif member.is_pointer:
+            size, align = _POINTER, _POINTER
         else:
-            rest = declaration
-            words = re.findall(r"\w+", re.sub(r"\b(const|volatile|struct|union|enum|unsigned(?=\s+int))\b", "", rest))
-            size, align = (_POINTER, _POINTER) if "*" in rest else self._of(words[0])
-        count = 1
-        for extent in re.findall(r"\[([^\]]*)\]", rest):
-            count *= self._number(extent)
-        return size * count, align
-
-    def _number(self, extent: str) -> int:
-        """The number of elements: a product of literals, constants and CSP_WORDS, which is largest for short words."""
-        text = _WORDS.sub(lambda found: str(-(-int(found[1]) // 32)), extent)
-        product = 1
-        for factor in re.findall(r"\w+", text):
-            number = re.fullmatch(r"(\d+)U?", factor)
-            product *= int(number[1]) if number else self._constants[factor]
-        return product
+            size, align = self._of(re.sub(r"^(?:struct|union|enum|unsigned(?= int)) ", "", member.type))
+        return size * self.count(member.extents), align
 
 
 def _braces(text: str, start: int) -> str:

@@ -6,6 +6,7 @@
 
 #include "csp_text.h"
 #include "network.h"
+#include "network_pointers.h"
 
 struct emergency_instance {
     struct network network;
@@ -16,6 +17,7 @@ struct emergency_instance {
     char build[9];
     const csp_program *program;
     const void *place; /* where it was begun */
+    uint32_t checksum; /* of a copy */
 };
 
 /* EMERGENCY_SIZE was computed without a compiler. */
@@ -39,8 +41,8 @@ static bool read_feedback(void *device, void *value)
 static bool poll_panel(void *device, void *value)
 {
     const emergency_instance *const self = device;
-    return self->hooks.poll(self->hooks.context,
-        EMERGENCY_EVENT_PANEL, value);
+    return (self->hooks.poll != NULL)
+        && self->hooks.poll(self->hooks.context, EMERGENCY_EVENT_PANEL, value);
 }
 
 static void write_control(void *device, const void *value)
@@ -231,23 +233,74 @@ void emergency_stop(emergency_instance *self)
     csp_request_stop(&self->network.kernel);
 }
 
+/* ---- Copies ---- */
+
+/* Depends on program, kernel, compiler, and the places of functions and constants in the image. */
+static uint32_t identity(void)
+{
+    uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, build, sizeof build);
+    const uintptr_t fixed[] = {
+        sizeof(emergency_instance), (uintptr_t)build - (uintptr_t)&network_program,
+        (uintptr_t)network_program.ports - (uintptr_t)&network_program,
+        (uintptr_t)&network_pointers - (uintptr_t)&network_program};
+    sum = csp_checksum(sum, fixed, sizeof fixed);
+    for (uint32_t index = 0U; index < NETWORK_FUNCTIONS; index++) {
+        uintptr_t distance = 0U;
+        (void)memcpy(&distance, &network_functions[index], sizeof distance);
+        distance -= (uintptr_t)&network_program;
+        sum = csp_checksum(sum, &distance, sizeof distance);
+    }
+    return sum;
+}
+
+static uint32_t checksum_of(const emergency_instance *copy)
+{
+    uint32_t sum = csp_checksum(identity(), &copy->network, sizeof copy->network);
+    sum = csp_checksum(sum, &copy->inputs, sizeof copy->inputs);
+    sum = csp_checksum(sum, &copy->outputs, sizeof copy->outputs);
+    return sum;
+}
+
+static csp_saved_places places_of(const emergency_instance *self)
+{
+    return (csp_saved_places){self, sizeof *self, &network_program};
+}
+
 void emergency_save(const emergency_instance *self, emergency_memory *copy)
 {
-    (void)memcpy(copy, self, sizeof *self);
+    emergency_instance *const saved = (void *)copy;
+    csp_pointer_visit visits[NETWORK_DEPTH];
+    (void)memset(copy, 0, sizeof *copy);
+    const uint32_t before = self->hooks.lock(self->hooks.context);
+    (void)memcpy(&saved->network, &self->network, sizeof saved->network);
+    self->hooks.unlock(self->hooks.context, before);
+    saved->network.kernel.hooks = NULL;
+    csp_save_pointers(&saved->network, &network_pointers, visits, places_of(self));
+    saved->inputs = self->inputs;
+    saved->outputs = self->outputs;
+    saved->checksum = checksum_of(saved);
 }
 
 bool emergency_restore(emergency_instance *self, const emergency_memory *copy)
 {
     const emergency_instance *const saved = (const void *)copy;
-    if ((saved->place != self) || (saved->program != &network_program)
-        || (memcmp(saved->build, build, sizeof build) != 0)) {
+    csp_kernel *const csp = &self->network.kernel;
+    csp_pointer_visit visits[NETWORK_DEPTH];
+    if (saved->checksum != checksum_of(saved)) {
         return false;
     }
-    const emergency_hooks hooks = self->hooks;
-    const uint32_t before = csp_lock(&self->network.kernel);
-    (void)memcpy(self, saved, sizeof *self);
-    self->hooks = hooks;
-    csp_unlock(&self->network.kernel, before);
+    if (!saved->network.kernel.driving) {
+        csp_release_outputs(csp);
+    }
+    const csp_hooks *const hooks = csp->hooks;
+    const uint32_t before = csp_lock(csp);
+    (void)memcpy(&self->network, &saved->network, sizeof self->network);
+    csp_restore_pointers(&self->network, &network_pointers, visits, places_of(self));
+    csp->hooks = hooks;
+    csp->real_time = hooks->real_time;
+    csp_unlock(csp, before);
+    self->inputs = saved->inputs;
+    self->outputs = saved->outputs;
     return true;
 }
 

@@ -28,7 +28,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define JIWY_SIZE 9064U
+#define JIWY_SIZE 9120U
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -145,11 +145,15 @@ void jiwy_release(jiwy_instance *self);
 /* Makes the run end at its next step. May be called from anywhere. */
 void jiwy_stop(jiwy_instance *self);
 
-/* Copies the state into memory for one instance. */
+/* Copies the state into memory for one instance. The copy has no pointers: it may be kept in a file
+ * or in flash.
+ */
 void jiwy_save(const jiwy_instance *self, jiwy_memory *copy);
 
-/* Continues from a copy that was made of this instance by this build. Hooks stay; events that have
- * not occurred yet are lost. False: it is another copy, and nothing was done.
+/* Continues from a copy of this or another instance, also of an earlier run of this image, at the
+ * instant at which it was made. Hooks stay, but for `grid`, and events that have not occurred yet
+ * are lost. No event function may run meanwhile. False: the copy is damaged or of another image,
+ * and nothing was done.
  */
 bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy);
 

@@ -1,0 +1,15 @@
+/* Where the pointers of struct network are. */
+#ifndef NETWORK_POINTERS_H
+#define NETWORK_POINTERS_H
+
+#include "csp_saved.h"
+
+/* How many structures are inside each other at most. */
+#define NETWORK_DEPTH 5U
+extern const csp_pointers network_pointers;
+
+/* Some functions of the image: in another one, their distances are different. */
+#define NETWORK_FUNCTIONS 6U
+extern csp_function *const network_functions[NETWORK_FUNCTIONS];
+
+#endif
