@@ -93,6 +93,24 @@ _ALL = (
         ),
     ),
     Device(
+        "mqtt",
+        "Mqtt",
+        "topics of an MQTT broker",
+        "mqtt",
+        ("paho-mqtt>=2.0",),
+        (
+            OfferedParameter("host", "text", "where the broker is", '"localhost"'),
+            OfferedParameter("port", "int", "its port; with TLS mostly 8883", "1883"),
+            OfferedParameter("prefix", "text", "topics begin with this", '""'),
+            OfferedParameter("qos", "int", "quality of service: 0, 1 or 2", "0"),
+            OfferedParameter("tls", "bool", "whether the connection is encrypted", "false"),
+            OfferedParameter("user", "text", "with the password in the variable MQTT_PASSWORD", '""'),
+            *_WAITS,
+        ),
+        values=("bool", "int", "double", "array"),
+        address=OfferedParameter("topic", "text", "the topic of a port, if it is not the prefix and its name"),
+    ),
+    Device(
         "serial",
         "Serial",
         "boards behind a serial line or USB, with lines of text",
@@ -120,6 +138,22 @@ _ALL = (
             *_WAITS,
         ),
         values=("bool", "int", "double", "array"),
+    ),
+    Device(
+        "zenoh",
+        "Zenoh",
+        "keys of a Zenoh network",
+        "zenoh",
+        ("eclipse-zenoh>=1.0",),
+        (
+            OfferedParameter("connect", "text", "an endpoint to connect to, such as tcp/192.168.1.7:7447", '""'),
+            OfferedParameter("listen", "text", "an endpoint to listen at, such as tcp/0.0.0.0:7447", '""'),
+            OfferedParameter("multicast", "bool", "whether peers of the local network are found", "true"),
+            OfferedParameter("prefix", "text", "keys begin with this", '""'),
+            *_WAITS,
+        ),
+        values=("bool", "int", "double", "array"),
+        address=OfferedParameter("key", "text", "the key of a port, if it is not the prefix and its name"),
     ),
 )
 

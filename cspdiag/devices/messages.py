@@ -37,7 +37,7 @@ class MessageDevice:
         self._sampled = frozenset(port for port, use in outputs.items() if use == "sampled")
         self._events: dict[str, SimpleQueue[Any]] = {port: SimpleQueue() for port in self.blocking}
         self._latest: dict[str, Any] = {}
-        self._arrived: dict[str, float] = {}
+        self._since: dict[str, float] = {}
         self._others: dict[str, None] = {}
         self._failure: Exception | None = None
         self._changed = threading.Condition()
@@ -91,7 +91,7 @@ class MessageDevice:
             self._raise_failure()
             raise DeviceError("it is closed")
         self._raise_failure()
-        silent = time.monotonic() - self._arrived[port]
+        silent = time.monotonic() - self._since[port]
         if 0 < self._timeout < silent:
             raise DeviceError(f"no value of {port} has come for {silent:.3g} s: is the sender still there?")
         return self._latest[port]
@@ -107,7 +107,7 @@ class MessageDevice:
         if queue is not None:
             queue.put(value)
         elif port in self._sampled:
-            self._arrived[port] = time.monotonic()
+            self._since[port] = time.monotonic()
             if port in self._latest:
                 self._latest[port] = value
                 return
@@ -182,6 +182,7 @@ def shortened(data: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def addresses(ports: Iterable[str], suffix: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The addresses of ports from the parameters ``PORT_SUFFIX``, for those that have one."""
-    return {port: given[f"{port}_{suffix}"] for port in ports if f"{port}_{suffix}" in given}
+def addressed(ports: Iterable[str], suffix: str, given: Mapping[str, str], prefix: str = "") -> dict[str, str]:
+    """The address of each port: the parameter ``PORT_SUFFIX`` if it is given, or the name after the prefix."""
+    before = f"{prefix.rstrip('/')}/" if prefix else ""
+    return {port: given.get(f"{port}_{suffix}", f"{before}{port}") for port in ports}
