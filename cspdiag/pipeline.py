@@ -351,6 +351,8 @@ def generate(
     probed: bool = False,
     templates: Mapping[str, Replacement] = EMPTY,
     framework: str = "",
+    fmi: str = "2.0",
+    plant: str = "",
 ) -> dict[str, str]:
     """The files of a target's package, by path relative to its folder.
 
@@ -358,8 +360,9 @@ def generate(
     an observer every communication, other code those of external ports only; ``observed`` code also reports when each
     process starts and ends, and who communicates; ``probed`` code keeps variables that have a unit as objects that can
     be watched. Hand-written modules that the program names are read relative to the file that names them. ``templates``
-    replace those of the target, by name; a ``framework`` makes a package in C a library for it. Raises KeyError for an
-    unknown target, OSError for a module that cannot be read, TargetError for a program that the target cannot express
+    replace those of the target, by name; a ``framework`` makes a package in C a library for it. ``fmi`` is the version
+    of an FMU, and ``plant`` the environment that it is made of, instead of the program. Raises KeyError for an unknown
+    target, OSError for a module that cannot be read, TargetError for a program that the target cannot express
     and for a mistake in one of the templates.
     """
     from cspdiag.codegen import TARGETS, external_modules
@@ -367,6 +370,13 @@ def generate(
 
     modules = {path: read(path).text for path in external_modules(network, target)}
     options = Options(
-        level=level, traced=traced, observed=observed, probed=probed, templates=templates, framework=framework
+        level=level,
+        traced=traced,
+        observed=observed,
+        probed=probed,
+        templates=templates,
+        framework=framework,
+        fmi=fmi,
+        plant=plant,
     )
     return TARGETS[target](network, modules, options)

@@ -27,6 +27,12 @@ def _c(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> di
     return package.generate(network, modules, options)
 
 
+def _fmu(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+    from cspdiag.codegen.fmi import package
+
+    return package.generate(network, modules, options)
+
+
 def _promela(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     from cspdiag.codegen.promela import package
 
@@ -39,7 +45,7 @@ def _cspm(network: CoreNetwork, modules: Mapping[str, str], options: Options) ->
     return package.generate(network)
 
 
-TARGETS: dict[str, Generator] = {"python": _python, "c": _c, "promela": _promela, "cspm": _cspm}
+TARGETS: dict[str, Generator] = {"python": _python, "c": _c, "fmu": _fmu, "promela": _promela, "cspm": _cspm}
 """By name. The last two are models for other proof tools, and do not run."""
 
 
@@ -56,7 +62,7 @@ def external_modules(network: CoreNetwork, target: str = "python") -> tuple[str,
     """
     if target in {"promela", "cspm"}:
         return ()
-    if target == "c":
+    if target in {"c", "fmu"}:
         from cspdiag.codegen.c.laws import external
 
         return external.external_paths(network)

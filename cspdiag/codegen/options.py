@@ -11,6 +11,9 @@ from cspdiag.network.ir.network import CoreNetwork
 FRAMEWORKS = ("zephyr", "esp-idf", "platformio", "arduino")
 """What a package in C can be a library for, instead of a folder with a Makefile and a CMakeLists.txt."""
 
+FMI_VERSIONS = ("2.0", "3.0")
+"""Versions of the Functional Mock-up Interface for which FMUs are made."""
+
 
 @record(kw_only=True)
 class Options:
@@ -19,7 +22,8 @@ class Options:
     ``traced`` code notifies an observer of every communication; other code, at level 1, of those of external
     ports only. ``observed`` code also notifies it when each process starts and ends, and who communicates. ``probed``
     code keeps variables that have a unit as objects that can be watched. ``templates`` take the places of those of the
-    target, by name. ``framework``: the package is a library for it, one of ``FRAMEWORKS``; only in C.
+    target, by name. ``framework``: the package is a library for it, one of ``FRAMEWORKS``; only in C. ``fmi`` is the
+    version of an FMU, one of ``FMI_VERSIONS``, and ``plant`` the environment that it has, instead of the program.
     """
 
     level: int = 0
@@ -28,6 +32,8 @@ class Options:
     probed: bool = False
     templates: Mapping[str, Replacement] = EMPTY
     framework: str = ""
+    fmi: str = "2.0"
+    plant: str = ""
 
 
 Generator = Callable[[CoreNetwork, Mapping[str, str], Options], dict[str, str]]

@@ -14,14 +14,21 @@ from cspdiag.cli.support.files.written import require_folder
 from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.codegen import TARGETS, target_errors
-from cspdiag.codegen.options import FRAMEWORKS
+from cspdiag.codegen.options import FMI_VERSIONS, FRAMEWORKS
 from cspdiag.pipeline import build, check, generate
 from cspdiag.settings import SettingError, split_settings
 
 if TYPE_CHECKING:
-    from cspdiag.network.ir.network import CoreNetwork
+    from collections.abc import Mapping
 
-EXAMPLE = "cspdiag compile models/jiwy/jiwy.csp -o build\ncspdiag compile models/jiwy/jiwy.csp -O1 --emit network"
+    from cspdiag.codegen.shared.render import Replacement
+    from cspdiag.network.ir.network import CoreNetwork
+    from cspdiag.pipeline import Built
+
+EXAMPLE = """\
+cspdiag compile models/jiwy/jiwy.csp -o build
+cspdiag compile models/jiwy/jiwy.csp --target fmu -o build
+cspdiag compile models/jiwy/jiwy.csp -O1 --emit network"""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -44,8 +51,20 @@ def add_arguments(parser: ArgumentParser) -> None:
         f"Makefile and a CMakeLists.txt: {', '.join(FRAMEWORKS)}",
         metavar="NAME",
     )
+    parser.add_argument(
+        "--fmi",
+        choices=FMI_VERSIONS,
+        default="",
+        help=f"with --target fmu: the version of FMI, {' or '.join(FMI_VERSIONS)} (default: {FMI_VERSIONS[0]})",
+        metavar="VERSION",
+    )
     parser.add_argument("--top", metavar="PROCESS", help="the outermost process (default: that of the environment)")
-    parser.add_argument("--environment", metavar="NAME", help="the environment to compile for (default: the first)")
+    parser.add_argument(
+        "--environment",
+        metavar="NAME",
+        help="the environment to compile for (default: the first); with --target fmu: the FMU is this environment, "
+        "without the program",
+    )
     parser.add_argument(
         "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
     )
@@ -148,11 +167,16 @@ def _generate(arguments: Namespace) -> int:
         raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
     if arguments.framework and arguments.target != "c":
         raise UsageError(f"--framework {arguments.framework} needs --target c")
+    if arguments.fmi and arguments.target != "fmu":
+        raise UsageError(f"--fmi {arguments.fmi} needs --target fmu")
     require_folder("-o", arguments.output)
     templates = {} if arguments.templates is None else read_templates(arguments.templates, arguments.target)
-    network = _network(arguments)
+    built = _built(arguments)
+    network = built.network
     if network is None:
         return UNSUCCESSFUL
+    if arguments.target == "fmu":
+        return _write_fmu(arguments, built, network, templates)
     folder = os.path.join(arguments.output, network.name)
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise UsageError(f"{folder} is in the way: it is not a folder")
@@ -189,7 +213,55 @@ def _is_another(earlier: str, file: str) -> bool:
     return os.path.isfile(earlier) and not os.path.samefile(earlier, file)
 
 
+def _write_fmu(arguments: Namespace, built: Built, network: CoreNetwork, templates: Mapping[str, Replacement]) -> int:
+    """Write an FMU, with the diagrams as its documentation if they can be drawn here."""
+    from cspdiag.base.errors import CspdiagError
+    from cspdiag.base.files.whole import write_whole
+    from cspdiag.codegen.fmi.package import identifier
+    from cspdiag.simulate.fmu.export import archive
+
+    plant, fmi = arguments.environment or "", arguments.fmi or FMI_VERSIONS[0]
+    name = identifier(network, plant)
+    place = os.path.join(arguments.output, f"{name}.fmu")
+    try:
+        files = generate(network, read_source, "fmu", arguments.level, templates=templates, fmi=fmi, plant=plant)
+    except target_errors() as problem:
+        raise NoResultError(str(problem)) from None
+    page, missing = _documentation(built)
+    try:
+        data = archive(files, name, fmi, page)
+    except CspdiagError as problem:
+        raise NoResultError(str(problem)) from None
+    os.makedirs(arguments.output, exist_ok=True)
+    write_whole(place, data)
+    say(f"wrote {on_one_line(place)}: FMI {fmi}, co-simulation, {len(data) // 1000} kB")
+    if missing:
+        say(f"  without the diagrams: {missing}")
+    return FINE
+
+
+def _documentation(built: Built) -> tuple[str, str]:
+    """The page with the diagrams, or why there is none."""
+    from cspdiag.draw.book.page import book
+    from cspdiag.draw.layout import engine
+    from cspdiag.draw.layout.graph import LayoutError
+    from cspdiag.draw.missing import MissingToolError
+    from cspdiag.draw.pictures import Pictures
+
+    checked = built.checked
+    assert checked.readable is not None
+    try:
+        engine.start()
+        return book(Pictures(checked.readable, (), checked.analysis)), ""
+    except (MissingToolError, LayoutError) as problem:
+        return "", str(problem)
+
+
 def _network(arguments: Namespace) -> CoreNetwork | None:
+    return _built(arguments).network
+
+
+def _built(arguments: Namespace) -> Built:
     from cspdiag.network.lower.program import SelectionError
 
     try:
@@ -208,4 +280,4 @@ def _network(arguments: Namespace) -> CoreNetwork | None:
         from cspdiag.optimize import PASSES, optimize
 
         optimize(built.network, PASSES, debug=True)
-    return built.network
+    return built

@@ -124,15 +124,22 @@ class Build:
 
     def executable(self) -> Path:
         """The path of the program; only what is not in the cache is built. Raises CompilerError."""
-        digests = {path: self.digest(path) for path in self.sources}
         script = "" if self.toolchain is None else self.files[self.toolchain.script]
-        target = self.cache / "programs" / _hash([*digests.values(), *self._identity, script])
+        return self._linked((), script)
+
+    def library(self) -> Path:
+        """The same of a shared library, whose sources have to be compiled as position-independent code."""
+        return self._linked(("-shared",), "")
+
+    def _linked(self, options: tuple[str, ...], script: str) -> Path:
+        digests = {path: self.digest(path) for path in self.sources}
+        target = self.cache / "programs" / _hash([*digests.values(), *self._identity, *options, script])
         if _touched(target):
             return target
         objects = self._objects(digests)
         with _Scratch(self.cache) as scratch:
             linked = scratch / "program"
-            self._run([*objects, *self._libraries(scratch), "-o", str(linked)], None)
+            self._run([*options, *objects, *self._libraries(scratch), "-o", str(linked)], None)
             _keep(linked, target)
         _bound(self.cache)
         return target

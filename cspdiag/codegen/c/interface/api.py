@@ -262,21 +262,18 @@ class Interface:
 
 
 def interface_files(
-    network: Network,
-    names: PackageNames,
-    types: CTypes,
+    interface: Interface,
     files: Mapping[str, str],
     headers: Iterable[str],
     render: Render,
 ) -> dict[str, str]:
     """The header and the source; ``files`` identify the program, ``headers`` are all headers of package and kernel."""
-    interface = Interface(network, names, types)
     first = interface.text(0, "")
     texts = [*headers, render("api.h.j2", api=first), first.instance]
     layout = Layout(texts, {"CSP_LEVELS": _levels(files["csp_config.h"])})
     build = crc32("\0".join(text for _, text in sorted(files.items())).encode())
     api = interface.text(layout.size(f"{first.name}_instance"), f"{build:08x}")
-    classes = {name for name in names.classes.values() if f"{name}.h" in files}
+    classes = {name for name in interface.names.classes.values() if f"{name}.h" in files}
     own = {f"{api.name}_api.h": render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
     return {**own, **pointer_files(layout, classes)}
 

@@ -124,6 +124,11 @@ class EnvironmentFiles:
     def _place(self, item: Declared) -> str:
         return self.names.place(item.span.file, item.span.line)
 
+    def member(self, port: ExternalPort) -> str:
+        """The member of the struct that has the present value of a port of the program."""
+        name = self._members[port.key]
+        return f"{name}[0]" if port.medium == "event" else name
+
     def files(self) -> dict[str, str]:
         """The header and the source."""
         return {f"{self.name}.h": self._header(), f"{self.name}.c": self._source()}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from weakref import ref
 
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record
-from cspdiag.codegen.c.interface.api import interface_files
+from cspdiag.codegen.c.interface.api import Interface, interface_files
 from cspdiag.codegen.c.laws.by_hand import checks_file
 from cspdiag.codegen.c.laws.external import external_files
 from cspdiag.codegen.c.laws.laws import law_files
@@ -118,12 +118,52 @@ def _lowered(network: CoreNetwork, level: int, observed: bool) -> Network:
     return optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if observed else PASSES)
 
 
+@record
+class Package:
+    """The files of a usual package, by path from its folder; ``by_hand`` are those of bodies in C."""
+
+    files: dict[str, str]
+    by_hand: Collection[str]
+    project: CProject
+    library: Library
+    interface: Interface
+
+    @property
+    def network(self) -> Network:
+        """The network, as it was lowered for the target."""
+        return self.interface.network
+
+    @property
+    def names(self) -> PackageNames:
+        """The names that all files share."""
+        return self.interface.names
+
+    @property
+    def types(self) -> CTypes:
+        """The types of C."""
+        return self.interface.types
+
+    @property
+    def compiled(self) -> set[str]:
+        """The sources of the program and the kernel, and what is written by hand."""
+        return {*self.by_hand, *self.project.program, *self.project.kernel}
+
+
 def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     """The files of a package, by path from its folder.
 
     ``modules`` are the texts of bodies in C, by the paths that ``external_modules`` returns. Raises TargetError for a
     program with parts in another language, TemplateError for a mistake in a template that the user has replaced.
     """
+    package = described(network, modules, options)
+    if options.framework:
+        render = renderer("c", options.templates)
+        return arranged(options.framework, package.files, package.library, package.compiled, render)
+    return dict(sorted(package.files.items()))
+
+
+def described(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> Package:
+    """The usual package, with what others make of it; see ``generate``."""
     render = renderer("c", options.templates)
     refuse(network, modules)
     simulated = tuple(entry for entry in network.environments if not entry.drivers)
@@ -158,9 +198,10 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
     texts = {**support, **files}
     headers = [text for path, text in texts.items() if path.endswith(".h")]
     identifying = {path: text for path, text in texts.items() if path != "main_simulation.c"}
-    interface = interface_files(lowered, names, types, identifying, headers, render)
-    files.update(interface)
-    program = sorted([*program, *(path for path in interface if path.endswith(".c"))])
+    interface = Interface(lowered, names, types)
+    step_files = interface_files(interface, identifying, headers, render)
+    files.update(step_files)
+    program = sorted([*program, *(path for path in step_files if path.endswith(".c"))])
     kernel = sorted(
         path for path in support if path.endswith(".c") and path not in _SIMULATION and not path.startswith("csp_port_")
     )
@@ -200,11 +241,8 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
     files[NAMES] = names_header(project.package, sources, kernel_headers)
     files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path != _CONFIGURATION})
     files.update({path: first_included(path, text) for path, text in by_hand.items() if path.endswith(".c")})
-    if options.framework:
-        library = Library(project.package, project.top, project.source, one_line(description))
-        compiled = {*by_hand, *program, *project.kernel}
-        return arranged(options.framework, files, library, compiled, render)
-    return dict(sorted(files.items()))
+    library = Library(project.package, project.top, project.source, one_line(description))
+    return Package(files, by_hand.keys(), project, library, interface)
 
 
 def _simulation(files: Mapping[str, str], program: list[str]) -> list[str]:

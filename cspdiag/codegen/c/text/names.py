@@ -77,6 +77,10 @@ FILES = (
     "port",
     "exceptions",
     "environment",
+    "fmu",
+    "fmu_model",
+    "fmi2",
+    "fmi3",
     "values",
     "types_by_hand",
 )

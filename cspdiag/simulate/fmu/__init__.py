@@ -1,0 +1,1 @@
+"""FMUs: files of a program or an environment for other simulators."""
