@@ -42,7 +42,8 @@ class Device:
 
     ``extra`` of cspdiag installs its ``requirements``, if there are any. ``outputs`` are the ports that it has; None:
     those that the driver declares, in both directions, of the types ``values`` (arrays: of the others). Then a
-    parameter ``PORT_SUFFIX`` of a driver says what a port is: ``address`` is that suffix, its type and what it means.
+    parameter ``PORT_SUFFIX`` of a driver says what a port is: ``address`` is that suffix, its type and what it means;
+    without a default it has to be declared.
     """
 
     name: str
@@ -71,6 +72,21 @@ _WAITS = (
 )
 
 _ALL = (
+    Device(
+        "can",
+        "Can",
+        "signals of a CAN bus, as a DBC file describes them",
+        "can",
+        ("python-can>=4.3", "cantools>=39"),
+        (
+            OfferedParameter("dbc", "text", "the file that describes the messages (DBC, ARXML, KCD, SYM)"),
+            OfferedParameter("interface", "text", "the kind of adapter, as python-can calls it", '"socketcan"'),
+            OfferedParameter("bus", "text", "which bus, the channel of python-can", '"can0"'),
+            OfferedParameter("bitrate", "int", "bits a second", "500000"),
+            *_WAITS,
+        ),
+        address=OfferedParameter("signal", "text", "the signal of a port, if it has another name", ""),
+    ),
     Device(
         "gamepad",
         "Gamepad",
@@ -108,7 +124,22 @@ _ALL = (
             *_WAITS,
         ),
         values=("bool", "int", "double", "array"),
-        address=OfferedParameter("topic", "text", "the topic of a port, if it is not the prefix and its name"),
+        address=OfferedParameter("topic", "text", "the topic of a port, if it is not the prefix and its name", ""),
+    ),
+    Device(
+        "opcua",
+        "OpcUa",
+        "variables of an OPC UA server",
+        "opcua",
+        ("asyncua>=1.1",),
+        (
+            OfferedParameter("url", "text", "where the server is", '"opc.tcp://localhost:4840"'),
+            OfferedParameter("interval", "time", "how often the server reports changes", "10 ms"),
+            OfferedParameter("user", "text", "with the password in the variable OPCUA_PASSWORD", '""'),
+            *_WAITS,
+        ),
+        values=("bool", "int", "double", "array"),
+        address=OfferedParameter("node", "text", "the variable of a port, such as ns=2;s=Level"),
     ),
     Device(
         "serial",
@@ -153,7 +184,7 @@ _ALL = (
             *_WAITS,
         ),
         values=("bool", "int", "double", "array"),
-        address=OfferedParameter("key", "text", "the key of a port, if it is not the prefix and its name"),
+        address=OfferedParameter("key", "text", "the key of a port, if it is not the prefix and its name", ""),
     ),
 )
 

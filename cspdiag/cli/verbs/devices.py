@@ -85,7 +85,7 @@ def _described(device: Device) -> Iterator[str]:
 
 
 def _declared(name: str, parameter: OfferedParameter) -> str:
-    default = "" if parameter.default is None else f" = {parameter.default}"
+    default = "" if not parameter.default else f" = {parameter.default}"
     return f"{name}: {parameter.type}{default}"
 
 

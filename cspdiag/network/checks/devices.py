@@ -103,12 +103,11 @@ def _check_parameters(
         elif type_ is not None and not _is(type_, offered.type, exact=True):
             report.add(DeviceParameterDiffers(declared.name.span, device.name, name, str(type_), offered.type))
     given = {declared.name.text for declared in driver.parameters}
-    for needed in device.parameters:
-        if needed.default is None and needed.name not in given:
+    for name in names:
+        needed = parameter(device, name, ports)
+        if needed is not None and needed.default is None and name not in given:
             report.add(
-                MissingDeviceParameter(
-                    driver.name.span, driver.name.text, device.name, needed.name, needed.type, needed.doc
-                )
+                MissingDeviceParameter(driver.name.span, driver.name.text, device.name, name, needed.type, needed.doc)
             )
 
 
