@@ -109,6 +109,42 @@ _ALL = (
         ),
     ),
     Device(
+        "gpio",
+        "Gpio",
+        "lines of a GPIO chip of Linux",
+        "gpio",
+        ("gpiod>=2.1; sys_platform == 'linux'",),
+        (
+            OfferedParameter("chip", "text", "the chip", '"/dev/gpiochip0"'),
+            OfferedParameter("bias", "text", "of inputs: as_is, pull_up, pull_down or disabled", '"as_is"'),
+            OfferedParameter("active_low", "bool", "whether a low voltage is true", "false"),
+        ),
+        values=("bool",),
+        address=OfferedParameter("line", "int", "the number of the line at its chip"),
+    ),
+    Device(
+        "keyboard",
+        "Keyboard",
+        "the keys of the terminal in which the program runs",
+        "",
+        (),
+        (
+            OfferedParameter("path", "text", "the terminal", '"/dev/tty"'),
+            OfferedParameter("hold", "time", "how long a key counts as pressed after its last report", "200 ms"),
+            OfferedParameter("step", "double", "how far an arrow key moves x or y", "0.1"),
+        ),
+        (
+            OfferedPort("x", "double", "moved by the arrows left and right, -1 to 1; Home and 0 return it"),
+            OfferedPort("y", "double", "moved by the arrows up and down, -1 (up) to 1"),
+            OfferedPort(
+                "buttons", "int", "the keys 1 to 9, added up: 1 for the first, 2 for the second, 4 for the third"
+            ),
+            OfferedPort("space", "bool", "whether the space bar is pressed"),
+            OfferedPort("enter", "bool", "whether Enter is pressed"),
+            OfferedPort("key", "int", "the code of the key that is pressed, such as 97 for a; 0 for none"),
+        ),
+    ),
+    Device(
         "mqtt",
         "Mqtt",
         "topics of an MQTT broker",
