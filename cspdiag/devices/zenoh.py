@@ -34,7 +34,7 @@ class Zenoh(MessageDevice):
         self._settings: dict[str, Any] = {"scouting/multicast/enabled": multicast}
         if connect:
             self._settings |= {"connect/endpoints": [connect], "connect/exit_on_failure": True}
-            self._settings["connect/timeout_ms"] = 3000
+            self._settings["connect/timeout_ms"] = 1000
         if listen:
             self._settings["listen/endpoints"] = [listen]
         self._ports = {key: name for name, key in addressed(outputs, "key", keys, prefix).items()}

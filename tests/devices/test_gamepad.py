@@ -187,16 +187,27 @@ def test_jiwy_runs_in_real_time_with_a_gamepad_in_one_command() -> None:
 
         stick = Stick()
         stick.axis(0, 0.3)
-        at(4, lambda: stick.button(1, 1))
+        at(3, lambda: stick.button(1, 1))
         faster = [word for joint in ("horizontal", "vertical") for word in ("--set", f"{joint}.alignSpeed=3")]
         command = ["run", "models/jiwy/jiwy.csp", "--environment", "Gamepad", "--real-time", "--for", "15 s"]
         print(main([*command, *faster]))
         """,
         errors=True,
     )
-    assert "Jiwy in Gamepad: ended by itself at 4" in shown
-    assert "motionControl until 4" in shown
+    assert "Jiwy in Gamepad: ended by itself at 3" in shown
+    assert "motionControl until 3" in shown
     assert shown.endswith("\n0\n")
+
+
+def test_one_without_permission_names_the_group(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For root, who may read all, by what the file system says."""
+    from cspdiag.devices import gamepad
+
+    monkeypatch.setattr(gamepad.glob, "glob", lambda pattern: ["/dev/input/js0"])
+    monkeypatch.setattr(gamepad.os, "access", lambda file, mode: False)
+    assert str(gamepad._missing([])) == (
+        "no permission for /dev/input/js0: sudo usermod -aG input $USER, then log in again"
+    )
 
 
 def test_plugged_in_gamepads_are_listed() -> None:

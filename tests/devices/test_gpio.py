@@ -122,9 +122,7 @@ def test_a_chip_that_is_unplugged_ends_the_run(chips: list[_Chip]) -> None:
         (errno.EINVAL, "the chip does not have one of the lines [17, 27]: see gpioinfo"),
     ],
 )
-def test_lines_that_cannot_be_had_are_reported_before_the_run(
-    code: int, account: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_refused_lines_are_reported_before_the_run(code: int, account: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*given: Any, **options: Any) -> None:
         raise OSError(code, os.strerror(code))
 
