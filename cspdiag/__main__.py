@@ -5,6 +5,7 @@ from __future__ import annotations
 # The module `signal` takes as long to load as all that asking a server takes.
 import _signal  # type: ignore[import-not-found]
 import gc
+import os
 import sys
 
 
@@ -14,6 +15,8 @@ def main() -> int:
     Ctrl-C ends it without a traceback, also before it has been loaded.
     """
     try:
+        if "_ARGCOMPLETE" in os.environ:
+            _complete_line()
         code = _by_server() if "--server" in sys.argv else _by_this_process()
     except KeyboardInterrupt:
         code = 130
@@ -21,6 +24,13 @@ def main() -> int:
         # While the interpreter shuts down nothing would catch the exception.
         _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
     return code
+
+
+def _complete_line() -> None:
+    """Answer the shell that completes a command line (see ``cspdiag completion``), and end the process."""
+    from cspdiag.cli.completion import complete
+
+    complete()
 
 
 def _by_this_process() -> int:

@@ -43,6 +43,8 @@ VERBS = {
     "fmt": "format programs",
     "explain": "show the manual page of a diagnostic",
     "new": "start a project",
+    "examples": "list the example programs, or copy one",
+    "completion": "print what a shell needs to complete command lines",
     "bench": "run the benchmarks on this machine",
 }
 """The verbs with what they do; each is the module ``cspdiag.cli.VERB``, a ``Verb``."""
@@ -63,7 +65,7 @@ class Verb(Protocol):
         """Carry the verb out and return the exit code; raises UsageError and OSError for exit code 2."""
 
 
-class _StoreOnce(Action):
+class StoreOnce(Action):
     """Stores the value of an option; a second, different one is refused, because one of them would be lost silently."""
 
     _first: object = None
@@ -71,6 +73,7 @@ class _StoreOnce(Action):
     def __call__(
         self, parser: ArgumentParser, namespace: Namespace, values: object, option_string: str | None = None
     ) -> None:
+        """Store the value. See ``argparse.Action``."""
         if self._first is not None and self._first != values:
             parser.error(f"{option_string or self.metavar} is given twice: {self._first} and {values}")
         self._first = values
@@ -84,7 +87,7 @@ class _Parser(ArgumentParser):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         for name in (None, "store"):
-            self.register("action", name, _StoreOnce)
+            self.register("action", name, StoreOnce)
         # `-5s` is a value, which is then refused as such, and not an option.
         self._negative_number_matcher = _NEGATIVE
 
@@ -202,7 +205,7 @@ def _module(verb: str) -> Verb:
 
 
 def _overview() -> str:
-    verbs = "\n".join(f"  {verb:<9}{summary}" for verb, summary in VERBS.items())
+    verbs = "\n".join(f"  {verb:<11}{summary}" for verb, summary in VERBS.items())
     return (
         "usage: cspdiag VERB [options] FILE\n\n"
         "Communication and composition diagrams in text, checked and turned into control software that runs.\n\n"

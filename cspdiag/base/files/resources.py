@@ -65,6 +65,11 @@ def case_study() -> str:
     return _place("models", "jiwy", "jiwy.csp")
 
 
+def example_folder() -> Path:
+    """The folder of the example programs, a folder for each."""
+    return _path("models")
+
+
 def benchmark_folder() -> Path:
     """The folder of the benchmarks, itself a program."""
     return _path("benchmarks")

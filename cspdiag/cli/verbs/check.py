@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 
+from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
@@ -12,10 +13,11 @@ from cspdiag.cli.server.memory import findings
 from cspdiag.cli.support.diagnostic_formats import FORMATS, show_findings
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError, described
 from cspdiag.cli.support.numbers import add_real
-from cspdiag.cli.support.terminal import say
+from cspdiag.cli.support.terminal import say, write_out
 
 EXAMPLE = (
     "cspdiag check models/jiwy/jiwy.csp\ncspdiag check --diff controller.csp\ncspdiag check --fix controller.csp\n"
+    "cspdiag check --watch controller.csp\n"
     "cspdiag check --server --format concise controller.csp\n"
     "cspdiag check --format sarif controller.csp > controller.sarif"
 )
@@ -32,6 +34,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add_real(parser)
     parser.add_argument("--format", choices=FORMATS, default="text", help="output format (default: text)")
+    parser.add_argument(
+        "--statistics", action="store_true", help="print how often each diagnostic was found, instead of where"
+    )
+    parser.add_argument("--watch", action="store_true", help="check again after each change of a file, until Ctrl-C")
     # The command has looked for it before it loaded this module.
     parser.add_argument(
         "--server",
@@ -59,6 +65,11 @@ def run(arguments: Namespace) -> int:
     if not arguments.files:
         raise UsageError("the following arguments are required: FILE (try cspdiag check --help)")
     fixes = arguments.fix or arguments.diff
+    _require_combination(arguments, fixes=fixes)
+    if arguments.watch:
+        from cspdiag.cli.support.watching import watch
+
+        return watch(list(dict.fromkeys(arguments.files)), arguments)
     if fixes:
         from cspdiag.cli.support.fixing import fix_files, require_free_output
 
@@ -71,7 +82,10 @@ def run(arguments: Namespace) -> int:
         for source in sources:
             for diagnostic in findings(source, arguments.real):
                 found.add(diagnostic)
-        show_findings(found.diagnostics, [source.name for source in sources], arguments)
+        if arguments.statistics:
+            _show_statistics(found.diagnostics, arguments.format)
+        else:
+            show_findings(found.diagnostics, [source.name for source in sources], arguments)
         count = sum(bool(diagnostic.edits) for diagnostic in found.diagnostics)
         if count and arguments.format == "text":
             which = "it" if len(found.diagnostics) == 1 else f"{count} of them"
@@ -80,6 +94,22 @@ def run(arguments: Namespace) -> int:
     if unreadable:
         raise UsageError("; ".join(unreadable))
     return code
+
+
+def _require_combination(arguments: Namespace, *, fixes: bool) -> None:
+    """Raise UsageError for options that contradict each other."""
+    if arguments.statistics and (fixes or arguments.watch):
+        raise UsageError("--statistics counts what is found once: give it without --fix, --diff and --watch")
+    if arguments.statistics and arguments.format not in ("text", "json"):
+        raise UsageError(f"--statistics has no format {arguments.format}: choose text or json")
+    if arguments.watch and (fixes or arguments.server or "-" in arguments.files):
+        raise UsageError("--watch follows files: give it without --fix, --diff, --server and -")
+
+
+def _show_statistics(diagnostics: Sequence[Diagnostic], format_: str) -> None:
+    from cspdiag.cli.support.statistics import as_json, as_text
+
+    write_out(as_json(diagnostics) if format_ == "json" else as_text(diagnostics))
 
 
 def _read(names: Sequence[str]) -> tuple[list[SourceFile], list[str]]:

@@ -60,17 +60,35 @@ def write_package(folder: str, files: Mapping[str, str], target: str, *, program
         os.replace(os.path.join(staging, whole), os.path.join(folder, listed))
 
 
-def write_new_folder(folder: str, files: Mapping[str, str]) -> None:
+def write_new_folders(folder: str, files: Mapping[str, bytes]) -> None:
+    """Write files by path relative to ``folder``, of which the first step is a folder that does not exist yet or is
+    empty. Raises UsageError if there is something in one already, OSError if a file cannot be written.
+    """
+    names = list(dict.fromkeys(path.partition("/")[0] for path in files))
+    for name in names:
+        _refuse_existing(os.path.join(folder, name))
+    for name in names:
+        place = os.path.join(folder, name)
+        inside = {path.partition("/")[2]: content for path, content in files.items() if path.startswith(f"{name}/")}
+        write_new_folder(place, inside)
+
+
+def write_new_folder(folder: str, files: Mapping[str, str | bytes]) -> None:
     """Write files, by path relative to ``folder``, into a folder that does not exist yet or is empty.
 
     Raises UsageError if there is something already, OSError if a file cannot be written; then nothing is left.
     """
-    if os.path.lexists(folder) and (os.path.islink(folder) or not os.path.isdir(folder) or os.listdir(folder)):
-        raise UsageError(f"{folder} exists already")
+    _refuse_existing(folder)
     with _staging(folder) as staging:
         for path, text in files.items():
             _write(os.path.join(staging, path), text)
         os.replace(staging, folder)
+
+
+def _refuse_existing(folder: str) -> None:
+    """Refuse a folder that has something in it, or that is something else."""
+    if os.path.lexists(folder) and (os.path.islink(folder) or not os.path.isdir(folder) or os.listdir(folder)):
+        raise UsageError(f"{folder} exists already")
 
 
 @contextmanager
@@ -121,10 +139,10 @@ def _refuse_obstacles(folder: str, paths: Iterable[str]) -> None:
                 raise UsageError(f"{place} is in the way: it is not a folder")
 
 
-def _write(path: str, text: str) -> None:
+def _write(path: str, content: str | bytes) -> None:
     os.makedirs(os.path.dirname(path), exist_ok=True)
-    with open(path, "x", encoding="utf-8", newline="\n") as file:
-        file.write(text)
+    with open(path, "xb") as file:
+        file.write(content.encode() if isinstance(content, str) else content)
 
 
 def _remove_tree(folder: str) -> None:
