@@ -128,7 +128,7 @@ def test_a_restored_run_continues_as_the_saved_one(machine: Path) -> None:
 def test_another_process_continues_from_a_copy(machine: Path) -> None:
     copies = [subprocess.run([machine, "keep"], stdout=subprocess.PIPE, check=True).stdout for _ in range(2)]
     assert copies[0] == copies[1]
-    command = [machine, "go on"]
+    command = [machine, "resume"]
     shown = subprocess.run(command, input=copies[0], stdout=subprocess.PIPE, check=True, timeout=60).stdout.decode()
     failed, restored, running, ended, over = shown.splitlines()
     assert failed.startswith(f"state {FAILED}: Timeout")

@@ -67,11 +67,11 @@ def run(arguments: Namespace) -> int:
     fixes = arguments.fix or arguments.diff
     _require_combination(arguments, fixes=fixes)
     if arguments.watch:
-        from cspdiag.cli.support.watching import watch
+        from cspdiag.cli.support.checking.watching import watch
 
         return watch(list(dict.fromkeys(arguments.files)), arguments)
     if fixes:
-        from cspdiag.cli.support.fixing import fix_files, require_free_output
+        from cspdiag.cli.support.checking.fixing import fix_files, require_free_output
 
         require_free_output(arguments)
     sources, unreadable = _read(arguments.files)
@@ -107,7 +107,7 @@ def _require_combination(arguments: Namespace, *, fixes: bool) -> None:
 
 
 def _show_statistics(diagnostics: Sequence[Diagnostic], format_: str) -> None:
-    from cspdiag.cli.support.statistics import as_json, as_text
+    from cspdiag.cli.support.checking.statistics import as_json, as_text
 
     write_out(as_json(diagnostics) if format_ == "json" else as_text(diagnostics))
 

@@ -247,7 +247,7 @@ static void keep(void)
 }
 
 /* Continues from the file, at another address, in an instance whose run has failed. */
-static void go_on(void)
+static void resume(void)
 {
     static machine_memory copy;
     machine_instance *const self = begin(&other_memory, &other_devices, true);
@@ -306,7 +306,7 @@ int main(int count, char **arguments)
         const char *name;
         void (*run)(void);
     } parts[] = {{"refuse", refuse}, {"run", run}, {"reset", reset}, {"late", be_late}, {"bad", sample_badly},
-                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"go on", go_on}};
+                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"resume", resume}};
     for (size_t index = 0U; index < sizeof parts / sizeof parts[0]; index++) {
         if ((count > 1) && (strcmp(arguments[1], parts[index].name) == 0)) {
             parts[index].run();

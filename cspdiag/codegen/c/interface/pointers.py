@@ -78,7 +78,7 @@ class Pointers:
         return self._depths[table]
 
     def _members(self, owner: str, path: str, kind: str, body: str) -> Iterator[_Row]:
-        """In a union of pointers, the first stands for all; other unions are values, which have no pointers."""
+        """In a union of pointers, the first represents all of them; other unions are values, which have no pointers."""
         members = list(members_of(body))
         if kind == "union":
             members = members[:1] if all(member.is_pointer for member in members) else []

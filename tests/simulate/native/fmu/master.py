@@ -124,7 +124,7 @@ def callbacks(messages: list[str]) -> Any:
 
 def together(program: Instance, plant: Instance, until: float, length: float) -> Iterator[tuple[float, Values]]:
     """Both from 0 to ``until`` in steps of ``length`` seconds; the values of all ports after each step, also after one
-    that ends earlier. Whoever ends earlier decides for both.
+    that ends earlier. The one that ends earlier decides for both.
     """
     program.begin()
     plant.begin()

@@ -30,7 +30,7 @@ def test_the_tests_of_a_new_project_pass(cspdiag: Command, tmp_path: Path, monke
     result = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
         cwd=tmp_path / "gimbal",
-        env={"PYTHONPATH": str(Path(__file__).parents[3]), "PATH": ""},
+        env={"PYTHONPATH": str(Path(__file__).parents[4]), "PATH": ""},
         capture_output=True,
         text=True,
     )

@@ -14,7 +14,7 @@ import pytest
 
 from tests.cli.conftest import BAD, GOOD, Command
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 def test_statistics_count_by_code(cspdiag: Command, tmp_path: Path) -> None:
@@ -85,4 +85,4 @@ def _wait_for(log: Path, text: str, times: int = 1) -> None:
         if log.read_text().count(text) >= times:
             return
         time.sleep(0.1)
-    pytest.fail(f"{text!r} did not come:\n{log.read_text()}")
+    pytest.fail(f"{text!r} is missing:\n{log.read_text()}")

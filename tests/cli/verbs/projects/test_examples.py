@@ -10,7 +10,7 @@ import pytest
 
 from tests.cli.conftest import Command
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 EXAMPLES = sorted(path.name for path in (ROOT / "models").iterdir() if (path / "README.md").exists())
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.support import fixing
+from cspdiag.cli.support.checking import fixing
 from tests.cli.conftest import BAD, GOOD, Command
 
 SLIP = GOOD.replace("given ? held", "given ? hedl")

@@ -1,0 +1,1 @@
+"""What `cspdiag check` does besides showing findings."""
