@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from cspdiag.model.program import Program, Value
     from cspdiag.model.types import Real
     from cspdiag.network.analyse import Analysis
+    from cspdiag.network.elaborate.fewer.varying import Varying
     from cspdiag.network.infer.contexts import Surroundings
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.network.lower.setting_paths import Root
+    from cspdiag.proofs.answers.answer import Answer
     from cspdiag.proofs.answers.question import Question
     from cspdiag.settings import Overrides
     from cspdiag.syntax.ast import SourceTree
@@ -47,6 +49,18 @@ class Checked:
     """The network of the outermost process with all its environments, if an analysis has needed it."""
     real: Real = "double"
     """What ``double`` means in the program; environments always compute in double precision."""
+    fewer: Fewer | None = None
+    """The same with fewer elements, if that was enough to know that nothing is wrong; then there is no ``analysis``."""
+
+
+@node
+class Fewer:
+    """A program in which nothing is wrong with fewer elements, and so nothing with all of them: what varies between the
+    two.
+    """
+
+    checked: Checked
+    varying: Varying
 
 
 @node
@@ -63,13 +77,14 @@ class Built:
 @node
 class ProofObligations:
     """A program and what is to be proved of it; ``networks`` has the networks of its processes, by name, as far as they
-    were lowered.
+    were lowered. ``proved`` are the questions that fewer elements of its arrays have answered.
     """
 
     checked: Checked
     questions: tuple[Question, ...]
     networks: dict[str, CoreNetwork]
     parameters: Mapping[str, Value]
+    proved: Mapping[Question, Answer] = EMPTY
 
     def network(self, process: str) -> CoreNetwork | None:
         """The network of a process as the outermost one; None if lowering it reports an error."""
@@ -152,8 +167,10 @@ def _checked(
 
     program = resolve(trees, overrides, report)
     check_model(program, report)
-    if for_findings and real == "double" and not report.diagnostics and _is_clean_with_fewer(program):
-        return Checked(program=program, report=report, readable=program)
+    if for_findings and real == "double" and not report.diagnostics:
+        fewer = _clean_with_fewer(program)
+        if fewer is not None:
+            return Checked(program=program, report=report, readable=program, fewer=fewer)
     analysis = check_network(program, report)
     network = None
     if not report.has_errors:
@@ -179,13 +196,13 @@ def _with_rounded_network(checked: Checked) -> Checked:
         return plain
 
 
-def _is_clean_with_fewer(program: Program) -> bool:
-    """Whether nothing is wrong with the processes of a program of many elements, as fewer of them show."""
+def _clean_with_fewer(program: Program) -> Fewer | None:
+    """A program of many elements with fewer of them, if these show that nothing is wrong with its processes."""
     from cspdiag.network.elaborate.fewer.sizes import fewer_elements
 
     sizes = fewer_elements(program)
     if not sizes:
-        return False
+        return None
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.names.resolve import resolve
     from cspdiag.network.analyse import LARGEST_PROGRAM
@@ -197,11 +214,12 @@ def _is_clean_with_fewer(program: Program) -> bool:
     check_model(few, report)
     varying = None if report.diagnostics else alike(program, few, LARGEST_PROGRAM)
     if varying is None:
-        return False
-    shapes = check_network(few, report).elaboration.shapes
-    return not report.diagnostics and not any(
-        map(keeps_values, (s for s in shapes if s.definition in varying.definitions))
-    )
+        return None
+    analysis = check_network(few, report)
+    shapes = analysis.elaboration.shapes
+    if report.diagnostics or any(map(keeps_values, (s for s in shapes if s.definition in varying.definitions))):
+        return None
+    return Fewer(checked=Checked(program=few, report=report, readable=few, analysis=analysis), varying=varying)
 
 
 @raised_recursion_limit()
@@ -286,11 +304,15 @@ def _check_with(
     settings: Mapping[str, str] | None,
     roots: Callable[[Program, Analysis], Sequence[Root]],
     real: Real,
+    *,
+    for_findings: bool = False,
 ) -> tuple[Checked, Overrides]:
-    """The checked program with constants set, and the settings as values; ``roots`` finds what is to be compiled."""
+    """The checked program with constants set, and the settings as values; ``roots`` finds what is to be compiled.
+    ``for_findings`` as for ``check``, without settings.
+    """
     from cspdiag.settings import NO_OVERRIDES, parse_settings
 
-    checked = check(main, read, real=real)
+    checked = check(main, read, real=real, for_findings=for_findings and not settings)
     if checked.program is None or checked.analysis is None or checked.report.has_errors or not settings:
         return checked, NO_OVERRIDES
     overrides = parse_settings(checked.program, settings, roots(checked.program, checked.analysis))
@@ -307,11 +329,12 @@ def proof_obligations(
     process: str | None = None,
     settings: Mapping[str, str] | None = None,
     real: Real = "double",
+    by_rules: bool = True,
 ) -> ProofObligations:
     """Check a program and collect what is to be proved: its assertions, or those about ``process``.
 
-    If there are none, what is expected of ``process``, or else of the outermost process. Raises the same exceptions as
-    ``build``.
+    If there are none, what is expected of ``process``, or else of the outermost process. With ``by_rules``, what design
+    rules prove once for all elements of arrays is proved already. Raises the same exceptions as ``build``.
     """
     from cspdiag.network.lower.program import selection
     from cspdiag.proofs.answers.question import expected_of, questions_of
@@ -324,8 +347,16 @@ def proof_obligations(
             found |= dict.fromkeys((outermost, *environments))
         return tuple(found)
 
-    checked, overrides = _check_with(main, read, settings, roots, real)
-    obligations = ProofObligations(checked=checked, questions=(), networks={}, parameters=overrides.parameters)
+    checked, overrides = _check_with(main, read, settings, roots, real, for_findings=by_rules)
+    proved: dict[Question, Answer] = {}
+    if checked.program is not None and checked.fewer is not None:
+        questions, proved = _proved_for_many(checked.program, checked.fewer, process)
+        if len(proved) == len(questions) > 0:
+            return ProofObligations(checked=checked, questions=questions, networks={}, parameters={}, proved=proved)
+        checked = _checked(checked.program.trees, {}, Report(), real=real)
+    obligations = ProofObligations(
+        checked=checked, questions=(), networks={}, parameters=overrides.parameters, proved=proved
+    )
     if checked.program is None or checked.report.has_errors:
         return obligations
     questions = questions_of(checked.program, process)
@@ -337,6 +368,33 @@ def proof_obligations(
         obligations.networks[outermost] = network
         questions = expected_of(checked.program, outermost)
     return replaced(obligations, questions=questions)
+
+
+def _proved_for_many(
+    program: Program, fewer: Fewer, process: str | None
+) -> tuple[tuple[Question, ...], dict[Question, Answer]]:
+    """What is to be proved of a program of many elements, and the answers to what is proved of all of them at once."""
+    from time import monotonic
+
+    from cspdiag.network.elaborate.definitions import Definitions
+    from cspdiag.proofs.answers.answer import Answer
+    from cspdiag.proofs.answers.question import expected_of, questions_of
+    from cspdiag.proofs.rules.many_elements import proved_for_many
+    from cspdiag.syntax import ast
+
+    questions = questions_of(program, process)
+    outermost = Definitions(program).outermost() if process is None else program.definitions.get(process)
+    if not questions and isinstance(outermost, ast.ProcessDefinition):
+        questions = expected_of(program, outermost.name.text)
+    proved: dict[Question, Answer] = {}
+    for question in questions:
+        began = monotonic()
+        if question.claim == "deadlock free":
+            few = compile_network(fewer.checked, top=question.process)
+            found = few and proved_for_many(program, fewer.varying, question.process, few)
+            if found:
+                proved[question] = Answer(question, "proved", found.method, found.reason, monotonic() - began)
+    return questions, proved
 
 
 @raised_recursion_limit()

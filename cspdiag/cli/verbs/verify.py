@@ -149,8 +149,11 @@ def _find_obligations(arguments: Namespace, read: Reader) -> ProofObligations:
             process=arguments.process,
             settings=_settings(arguments),
             real=arguments.real,
+            by_rules=arguments.engine == "cspdiag" and arguments.method in (None, "rules"),
         )
         for question in obligations.questions:
+            if question in obligations.proved:
+                continue
             for name in question.processes:
                 obligations.network(name)
     except (SettingError, SelectionError) as problem:

@@ -66,7 +66,7 @@ class _Elements:
 
 
 @node
-class _End:
+class End:
     """An end of a relationship, in each repetition: instances or elements of a port of the process itself.
 
     ``port`` is the port of the instances, and ``ports`` its elements if it is an array, counted through all instances.
@@ -95,6 +95,12 @@ class Neighbourhoods:
         found = process.coloured()
         self._ports.update((port, elements.colours) for port, elements in process.own.items())
         return found
+
+    def relationships(self, definition: ast.ProcessDefinition) -> dict[ast.Connection, tuple[int, list[End]]]:
+        """The number of repetitions of each relationship of a process, and its ends at instances and at arrays of
+        ports. Raises UnknownError.
+        """
+        return _Process(self, definition).relationships
 
     def ports_of(self, port: ast.PortName) -> Sequence[int]:
         """The colours of the elements of an array of ports; their positions if the process does not vary."""
@@ -128,7 +134,7 @@ class _Process:
         """Those of its own arrays of ports."""
         self.ports: dict[tuple[ast.Instance, ast.PortName], _Elements] = {}
         """Those of the arrays of ports of its instances."""
-        self.relationships: dict[ast.Connection, tuple[int, list[_End]]] = {}
+        self.relationships: dict[ast.Connection, tuple[int, list[End]]] = {}
         self._places = 0
         self._read()
 
@@ -190,7 +196,7 @@ class _Process:
             raise UnknownError
         self.relationships[item] = around.number, ends
 
-    def _end(self, reference: ast.Reference, around: Repetitions) -> _End | None:
+    def _end(self, reference: ast.Reference, around: Repetitions) -> End | None:
         """The end that a reference names in each repetition; None for an object of which there is one."""
         symbol, member = self.program.bindings.get(reference), self.program.members.get(reference)
         if isinstance(symbol, ast.Instance) and isinstance(member, PortSymbol):
@@ -199,16 +205,16 @@ class _Process:
             ports = self.ports.get((symbol, member.port))
             if ports is None:
                 self._indexes(reference.member_indexes, 1, around, is_array=False)
-                return _End(elements=elements, indexes=indexes, port=member.port, ports=None)
+                return End(elements=elements, indexes=indexes, port=member.port, ports=None)
             size = ports.size // elements.size
             inner = self._indexes(reference.member_indexes, size, around, is_array=True)
             if elements.size > 1:
                 inner = [instance * size + index for instance, index in zip(indexes, inner, strict=True)]
-            return _End(elements=elements, indexes=indexes, port=member.port, ports=(ports, inner))
+            return End(elements=elements, indexes=indexes, port=member.port, ports=(ports, inner))
         if isinstance(symbol, PortSymbol) and symbol.port in self.own:
             elements = self.own[symbol.port]
             indexes = self._indexes(reference.indexes, elements.size, around, is_array=True)
-            return _End(elements=elements, indexes=indexes, port=None, ports=None)
+            return End(elements=elements, indexes=indexes, port=None, ports=None)
         if isinstance(symbol, PortSymbol | ast.Variable | ast.Channel | EndLabelSymbol):
             return None
         raise UnknownError
