@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 
 def _python(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+    from cspdiag.codegen.python.plain.external import without_devices_in_c
+
+    network = without_devices_in_c(network)
     if options.level == 0:
         from cspdiag.codegen.python import package as python
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -64,11 +66,29 @@ def test_reserved_words_are_listed() -> None:
     assert set(re.findall(r"`(\w+)`", reserved)) == words - CONTEXTUAL_KEYWORDS
 
 
-@needs_compiler
-def test_the_control_law_in_c_runs(tmp_path: Path) -> None:
+def _with_the_files_of_the_page_about_c(folder: Path) -> str:
     text = (ROOT / "docs" / "c.md").read_text(encoding="utf-8")
     for name, body in re.findall(r"^<!-- (\S+) -->\n```\w+\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
-        (tmp_path / name).write_text(body)
+        (folder / name).write_text(body)
+    return text
+
+
+@needs_compiler
+def test_the_driver_in_c_runs(tmp_path: Path) -> None:
+    text = _with_the_files_of_the_page_about_c(tmp_path)
+    commands = re.findall(r"^    (.*heater.*?)(?: +#.*)?$", text.partition("### Drivers in the text")[2], re.MULTILINE)
+    for command in [f"{commands[0]} --for 20ms", *commands[1:3], commands[3].replace("1000000000", "20000000")]:
+        words = command.split()
+        if words[0] == "cspdiag":
+            words[:1] = [sys.executable, "-m", "cspdiag"]
+        completed = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+        assert completed.returncode == 0, f"{command}: {completed.stdout}{completed.stderr}"
+    assert "reached the time limit" in completed.stderr
+
+
+@needs_compiler
+def test_the_control_law_in_c_runs(tmp_path: Path) -> None:
+    _with_the_files_of_the_page_about_c(tmp_path)
     network = pipeline.build(read_source(str(tmp_path / "tank.csp")), read_source).network
     assert network is not None
     run = native.simulate(network, read_source, until=20_000_000_000)

@@ -24,7 +24,9 @@ class UnsupportedLanguage(Diagnostic):
     def help(self) -> str:
         if self.language == "fmu":
             return 'wrap it in a Python class, for example with FMPy: `python "joint.py:Joint"`'
-        return 'write `python "module.py:Class"`' + ("" if self.kind == "driver" else ' or `c "file.c"`')
+        return 'write `python "module.py:Class"`' + (
+            ', `c "file.c"` or `device "NAME"`' if self.kind == "driver" else ' or `c "file.c"`'
+        )
 
 
 @record
@@ -59,7 +61,8 @@ class DriverWithoutBody(Diagnostic):
 
     @property
     def help(self) -> str:
-        return f'name its class or a device: `driver {self.driver} python "module.py:{self.driver}"`, `device "udp"`'
+        class_ = f'`driver {self.driver} python "module.py:{self.driver}"`'
+        return f'name its class, its source in C or a device: {class_}, `c "file.c"`, `device "udp"`'
 
 
 @record

@@ -7,7 +7,7 @@ from typing import assert_never
 
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
-from cspdiag.network.ir.network import Environment, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import DriverInstance, Environment, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import all_actions
 
 
@@ -29,6 +29,11 @@ def external_calls(owner: ProcessClass | SubmodelClass | Environment) -> tuple[E
             assert_never(owner)
     equations = (equation for law in laws for equation in law.equations)
     return tuple({call.name: call for call in equations if isinstance(call, ExternalCall)}.values())
+
+
+def devices_in_c(environment: Environment) -> list[DriverInstance]:
+    """The drivers of an environment that are written in C, so it runs in native programs only."""
+    return [driver for driver in environment.drivers if driver.external.language == "c"]
 
 
 def external_bodies(

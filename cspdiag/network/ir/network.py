@@ -260,6 +260,7 @@ class DriverInstance(Declared):
     definition: str
     external: ExternalBody
     arguments: tuple[tuple[str, Value], ...]
+    argument_types: tuple[Type, ...]
     connections: tuple[tuple[str, str], ...]
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]

@@ -282,6 +282,7 @@ def _driver(
     assert definition.external is not None
     values = _argument_values(program, member, overrides, report)
     connections = []
+    given = [parameter for parameter in definition.parameters if parameter in values]
     for wire in drawn.wires:
         for own, other in ((wire.source, wire.sink), (wire.sink, wire.source)):
             if own.member == member.name:
@@ -295,7 +296,8 @@ def _driver(
         span=member.declaration.name.span,
         definition=definition.name.text,
         external=external_body(definition.external),
-        arguments=tuple((p.name.text, values[p]) for p in definition.parameters if p in values),
+        arguments=tuple((parameter.name.text, values[parameter]) for parameter in given),
+        argument_types=tuple(program.types[parameter] for parameter in given),
         connections=tuple(connections),
         outputs=tuple(ports["out"]),
         inputs=tuple(ports["in"]),

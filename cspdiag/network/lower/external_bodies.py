@@ -90,7 +90,7 @@ def check(program: Program, report: Report) -> None:
             check_device(program, definition, external, report)
             continue
         pattern = _TARGETS.get(language)
-        if pattern is None or (kind == "driver" and language != "python"):
+        if pattern is None:
             report.add(UnsupportedLanguage(external.language.span, language, kind))
         elif not _parts(pattern, external.target):
             report.add(MalformedTarget(external.target_span, language, external.target))

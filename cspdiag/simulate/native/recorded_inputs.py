@@ -84,7 +84,7 @@ static bool recorded_advance(csp_kernel *csp, void *state, int64_t now)
     return true;
 }}
 
-const csp_environment {name} = {{INT64_C({step}), recorded_start, recorded_advance, NULL}};
+const csp_environment {name} = {{INT64_C({step}), recorded_start, recorded_advance, NULL, NULL}};
 """
 
 

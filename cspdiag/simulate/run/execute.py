@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.python.plain.external import bodies
+from cspdiag.network.ir.external import devices_in_c
 from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.runtime.kernel.exceptions import kind_and_text
 from cspdiag.runtime.kernel.stopping import stopping
@@ -58,6 +59,15 @@ def chosen_environment(network: CoreNetwork, name: str | None) -> Environment | 
     return None
 
 
+def _refuse_devices_in_c(environment: Environment) -> None:
+    """Raises NoEnvironmentError for an environment that only native programs have."""
+    for driver in devices_in_c(environment):
+        raise NoEnvironmentError(
+            f"{driver.external.span}: the driver `{driver.definition}` is written in C, which Python cannot call: "
+            "run it with --target c, or choose another environment with --environment"
+        )
+
+
 def simulate(
     network: CoreNetwork,
     files: Mapping[str, str],
@@ -82,6 +92,8 @@ def simulate(
     run.
     """
     chosen = chosen_environment(network, environment)
+    if chosen is not None:
+        _refuse_devices_in_c(chosen)
     recorder = recorder if recorder is not None else Recorder()
     package = LoadedPackage(network.name, files)
     try:

@@ -267,5 +267,11 @@ void csp_hand_over(csp_kernel *csp, int64_t instant)
 void csp_finish(csp_kernel *csp)
 {
     csp_release_outputs(csp);
+    if (csp->phase == (uint8_t)CSP_RUNNING) {
+        const csp_environment *const environment = csp->program->environment;
+        if ((environment != NULL) && (environment->close != NULL)) {
+            environment->close(environment->state);
+        }
+    }
     csp->phase = (uint8_t)CSP_FINISHED;
 }

@@ -2,6 +2,7 @@
 #include "csp_arithmetic.h"
 
 #include "csp_fault_text.h"
+#include "csp_program.h"
 
 /* Notes a fault; the first one counts. */
 static void note(csp_kernel *csp, void (*describe)(const csp_operands *, char *, size_t), csp_operands operands)
@@ -189,6 +190,13 @@ void csp_finite_fails(csp_kernel *csp, double value, const char *port)
 void csp_not_written(csp_kernel *csp, const char *variable)
 {
     note(csp, csp_describe_not_written, (csp_operands){{0, 0, 0}, 0.0, variable});
+}
+
+bool csp_device_refused(csp_kernel *csp, const char *device, const char *place)
+{
+    csp_forget_outputs(csp);
+    note(csp, csp_describe_not_opened, (csp_operands){{0, 0, 0}, 0.0, device});
+    return csp_fault_at(csp, place);
 }
 
 double csp_exp(double x)

@@ -353,6 +353,9 @@ void csp_finite_fails(csp_kernel *csp, double value, const char *port);
 /* Notes the fault that a variable was read before it was written. */
 void csp_not_written(csp_kernel *csp, const char *variable);
 
+/* Notes the fault that a device could not be opened, after which nothing is handed over. Always false. */
+bool csp_device_refused(csp_kernel *csp, const char *device, const char *place);
+
 /* Notes a fault unless a value that is written to a port is finite. */
 static inline void csp_finite(csp_kernel *csp, double value, const char *port)
 {

@@ -26,6 +26,7 @@ CSP_SILENT(csp_describe_index)
 CSP_SILENT(csp_describe_not_a_number)
 CSP_SILENT(csp_describe_not_finite)
 CSP_SILENT(csp_describe_not_written)
+CSP_SILENT(csp_describe_not_opened)
 
 #else
 
@@ -263,6 +264,14 @@ void csp_describe_not_written(const csp_operands *operands, char *text, size_t s
     text[0] = '\0';
     csp_append(text, size, operands->name);
     csp_append(text, size, " is read before it was written");
+}
+
+void csp_describe_not_opened(const csp_operands *operands, char *text, size_t size)
+{
+    text[0] = '\0';
+    csp_append(text, size, "the device ");
+    csp_append(text, size, operands->name);
+    csp_append(text, size, " could not be opened");
 }
 
 #endif

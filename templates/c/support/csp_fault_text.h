@@ -18,5 +18,6 @@ void csp_describe_index(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_a_number(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_finite(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_written(const csp_operands *operands, char *text, size_t size);
+void csp_describe_not_opened(const csp_operands *operands, char *text, size_t size);
 
 #endif

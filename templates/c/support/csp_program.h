@@ -27,6 +27,7 @@ typedef struct csp_environment {
     bool (*start)(csp_kernel *csp, void *state); /* evaluates the outputs at time 0, before processes run */
     bool (*advance)(csp_kernel *csp, void *state, int64_t now); /* advances to `now` with its inputs held; false: it has failed */
     void *state;
+    void (*close)(void *state); /* closes the devices that `start` has opened, after the run */
 } csp_environment;
 
 typedef enum csp_port_kind { CSP_PORT_SAMPLED, CSP_PORT_EVENT, CSP_PORT_LATCHED, CSP_PORT_DIRECT } csp_port_kind;

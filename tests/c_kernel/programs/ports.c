@@ -78,7 +78,7 @@ static script_list listener = {
 
 int main(void)
 {
-    static csp_environment environment = {MS, NULL, advance, NULL};
+    static csp_environment environment = {MS, NULL, advance, NULL, NULL};
     static const script_port ports[] = {
         {CSP_PORT_SAMPLED, &fast.medium, NULL},
         {CSP_PORT_SAMPLED, &slow.medium, NULL},

@@ -47,16 +47,18 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
     rows = comment(["Does not compile where a header that is written by hand has other types than the ports."])
     rows += ['#include "types.h"', *(f'#include "{header}"' for header in headers), '#include "csp_by_hand.h"', ""]
     for item in members:
-        expected = types.type_name(item.type)
         header = source_paths(item.body)[1].rpartition("/")[2]
-        message = (
-            f"{header}: the member `{item.name}` of `struct {item.struct}` has to be `{expected}`, as the port is "
-            f"({item.where})"
-        )
-        name = f"{item.struct}_{item.name}_must_be_as_its_port"
-        arguments = (f"struct {item.struct}", item.name, expected, name, quoted(message))
-        rows += lines([run(call("CSP_REQUIRE_MEMBER", *arguments))])
+        rows += required_member(header, item.struct, item.name, types.type_name(item.type), item.where)
     return {FILE: "\n".join([*rows, ""])}
+
+
+def required_member(header: str, struct: str, member: str, expected: str, where: str) -> list[str]:
+    """The lines that do not compile if a member of a struct in a hand-written ``header``, which may be an element of an
+    array, has another type than its port, which is declared at ``where``.
+    """
+    message = f"{header}: the member `{member}` of `struct {struct}` has to be `{expected}`, as the port is ({where})"
+    name = f"{struct}_{member.partition('[')[0]}_must_be_as_its_port"
+    return lines([run(call("CSP_REQUIRE_MEMBER", f"struct {struct}", member, expected, name, quoted(message)))])
 
 
 def _members(network: Network, names: PackageNames, types: CTypes) -> Iterator[_Member]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
+from cspdiag.base.record import replaced
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_bodies
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import Environment, Network
 
 
 def c_bodies(network: Network) -> Iterator[ExternalBody]:
@@ -30,9 +31,22 @@ def external_paths(network: Network) -> tuple[str, ...]:
 
 
 def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:
-    """The copies in the package, by file name. Raises TargetError if two files have the same name."""
+    """The copies of processes and control laws in the package, by file name.
+
+    Raises TargetError if two files have the same name.
+    """
+    laws = [replaced(environment, drivers=()) for environment in network.environments]
+    return _copies(external_bodies(network.classes, laws), texts)
+
+
+def device_files(environments: Iterable[Environment], texts: Mapping[str, str]) -> dict[str, str]:
+    """The copies of drivers; they belong to environments, not to the program."""
+    return _copies((driver.external for entry in environments for driver in entry.drivers), texts)
+
+
+def _copies(bodies: Iterable[ExternalBody], texts: Mapping[str, str]) -> dict[str, str]:
     found: dict[str, str] = {}
-    for path in external_paths(network):
+    for path in (path for body in bodies if body.language == "c" for path in source_paths(body)):
         name = posixpath.basename(path)
         if found.setdefault(name, path) != path:
             raise TargetError(f"{found[name]} and {path} would both be {name} in the package: rename one of them")

@@ -16,6 +16,7 @@ from cspdiag.codegen.c.laws.equations import (
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.laws.linear import LinearStep, linear_steps
+from cspdiag.codegen.c.network.devices import Devices
 from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.text.code import (
     CSP,
@@ -109,6 +110,15 @@ class EnvironmentFiles:
         return members
 
     @cached_property
+    def _devices(self) -> Devices:
+        return Devices(self.environment, self.network, self.names, self.types, self._members)
+
+    @cached_property
+    def _simulated(self) -> list[ExternalPort]:
+        """The ports with signals behind them."""
+        return [port for port in self.network.external_ports if port.key not in self._devices.connected]
+
+    @cached_property
     def _constants(self) -> list[str]:
         return [item.name for item in constants_needed(self._system)] if self._system is not None else []
 
@@ -141,6 +151,7 @@ class EnvironmentFiles:
         rows += ['#include "csp_linear.h"'] if self._linear else []
         rows += ['#include "network.h"']
         rows += sorted({f'#include "{body_name(call)}.h"' for call in self._calls})
+        rows += self._devices.headers()
         rows += ["", "/* The state of the plant and the operator, with their signals. */", *lines([self._struct()])]
         rows += ["", "/* One of them, and what it is behind the ports of the program. */"]
         rows += [f"extern const csp_environment {self.name};"]
@@ -150,12 +161,16 @@ class EnvironmentFiles:
     def _source(self) -> str:
         rows = [f"/* See {self.name}.h. */", f'#include "{self.name}.h"', ""]
         rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', '#include "types.h"']
+        checks = self._devices.checks()
+        rows += ['#include "csp_by_hand.h"', "", *checks] if checks else []
         parts: list[Statement] = [define(f"static struct {self.name}", "present"), *self._transfers()]
+        parts += self._devices.transfers()
         if self._in_stages is not None and self._in_stages.derivatives:
             writer = self._writer(self._slopes_printer, at=True)
             parts += self._integration.function(self._slopes_printer, writer)
         parts += [self._evaluate()] if self._results else []
-        parts += [self._start(), self._advance(), self._drivers(), self._table()]
+        parts += [self._start(), self._advance(), *self._devices.closing(f"{self.name}_close", self.name)]
+        parts += [self._drivers(), self._table()]
         for part in parts:
             rows += ["", *lines([part])] if not isinstance(part, Blank) else []
         return "\n".join([*rows, ""])
@@ -165,8 +180,8 @@ class EnvironmentFiles:
     def _struct(self) -> Statement:
         statements: list[Statement] = [define("int64_t", "now", remark="in nanoseconds")]
         system = self._system
-        ports = {port.key: port for port in self.network.external_ports}
-        for key, port in ports.items():
+        for port in self._simulated:
+            key = port.key
             name, type_name = self._members[key], self.types.type_name(port.type)
             if port.medium == "event":
                 statements.append(define(type_name, f"{name}[2]", remark="present and last"))
@@ -180,6 +195,7 @@ class EnvironmentFiles:
             statements += [define(self.types.type_name(type_), self._members[name]) for name, type_ in stored]
             statements += [define(f"struct {body_name(item)}", self._members[item.name]) for item in self._calls]
             statements += [step.declaration() for step in self._linear]
+        statements += self._devices.fields()
         return Block(tuple(statements), f"struct {self.name}", "};")
 
     def _signal(self, name: str) -> Code:
@@ -239,7 +255,7 @@ class EnvironmentFiles:
         return [] if self._system is None else linear_steps(self._system, self._members)
 
     def _start(self) -> Function:
-        statements: list[Statement] = [self._self(), store(own("now"), "0")]
+        statements: list[Statement] = [self._self(), store(own("now"), "0"), *self._devices.opening()]
         system = self._system
         if system is not None:
             printer = self._printer((), "0.0")
@@ -257,7 +273,7 @@ class EnvironmentFiles:
                 statements += step.start(printer)
         if self._results:
             statements.append(run(ignored(call(f"{self.name}_evaluate", CSP, "self"))))
-        for port in self.network.external_ports:
+        for port in self._simulated:
             if port.medium == "event":
                 member = own(self._members[port.key])
                 statements.append(store(member.at(1), member.at(0)))
@@ -372,7 +388,7 @@ class EnvironmentFiles:
         """Functions that read and write signals, one for each type."""
         statements: list[Statement] = []
         done: set[str] = set()
-        for port in self.network.external_ports:
+        for port in self._simulated:
             name, type_name = self._transfer(port), self.types.type_name(port.type)
             if name in done:
                 continue
@@ -419,6 +435,8 @@ class EnvironmentFiles:
         return define("const struct network_drivers", f"{self.name}_drivers", drivers)
 
     def _driver(self, port: ExternalPort) -> Aggregate:
+        if port.key in self._devices.connected:
+            return self._devices.driver(port)
         member, function = code("present").field(self._members[port.key]), code(self._transfer(port))
         device, nothing = member if port.medium == "event" else address(member), code("NULL")
         parts = (device, nothing, function) if port.direction == "out" else (device, function, nothing)
@@ -426,7 +444,8 @@ class EnvironmentFiles:
 
     def _table(self) -> Statement:
         functions = (code(f"{self.name}_start"), code(f"{self.name}_advance"))
-        all_parts = (duration(self.environment.step), *functions, address(code("present")))
+        close = code(f"{self.name}_close" if self.environment.drivers else "NULL")
+        all_parts = (duration(self.environment.step), *functions, address(code("present")), close)
         parts = tuple((None, part) for part in all_parts)
         return define("const csp_environment", self.name, Aggregate(parts))
 

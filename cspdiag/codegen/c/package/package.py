@@ -9,14 +9,14 @@ from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.api import Interface, interface_files
 from cspdiag.codegen.c.laws.by_hand import checks_file
-from cspdiag.codegen.c.laws.external import external_files
+from cspdiag.codegen.c.laws.external import device_files, external_files
 from cspdiag.codegen.c.laws.laws import law_files
 from cspdiag.codegen.c.network.environments import environment_files
 from cspdiag.codegen.c.network.network import network_files
 from cspdiag.codegen.c.package.definitions import constants_header, plain_types_header, types_header
 from cspdiag.codegen.c.package.layouts import SUPPORT, Library, arranged
 from cspdiag.codegen.c.package.linkage import NAMES, first_included, names_header
-from cspdiag.codegen.c.package.refusals import refuse
+from cspdiag.codegen.c.package.refusals import foreign_devices, refuse
 from cspdiag.codegen.c.process.levels import separate_depths
 from cspdiag.codegen.c.text.literals import in_comment
 from cspdiag.codegen.c.text.names import PackageNames
@@ -166,7 +166,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     """The usual package, with what others make of it; see ``generate``."""
     render = renderer("c", options.templates)
     refuse(network, modules)
-    simulated = tuple(entry for entry in network.environments if not entry.drivers)
+    simulated = tuple(entry for entry in network.environments if not foreign_devices(entry))
     lowered = separate_depths(lowered_for_c(network, options.level, observed=options.observed))
     names = PackageNames(lowered)
     files: dict[str, str] = {}
@@ -178,11 +178,12 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
             kind = "process" if isinstance(class_, ProcessClass) else "control law"
             rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
         files.update(law)
-    by_hand = external_files(network, modules)
+    devices = device_files(simulated, modules)
+    by_hand = {**external_files(network, modules), **devices}
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))
-    program = sorted(path for path in files if path.endswith(".c"))
+    program = sorted(path for path in files if path.endswith(".c") and path not in devices)
     environments = [entry for entry in lowered.environments if entry.name in {item.name for item in simulated}]
     can_simulate = not options.framework and (bool(environments) or not network.external_ports)
     if can_simulate:

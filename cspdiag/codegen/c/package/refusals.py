@@ -8,7 +8,7 @@ from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.types import TextType
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_calls
-from cspdiag.network.ir.network import Environment, Network, ProcessClass
+from cspdiag.network.ir.network import DriverInstance, Environment, Network, ProcessClass
 
 
 def refuse(network: Network, texts: Mapping[str, str] | None = None) -> None:
@@ -30,10 +30,16 @@ def refuse(network: Network, texts: Mapping[str, str] | None = None) -> None:
         raise TargetError("\n".join(found))
 
 
+def foreign_devices(environment: Environment) -> list[DriverInstance]:
+    """The drivers of an environment that are not written in C."""
+    return [driver for driver in environment.drivers if driver.external.language != "c"]
+
+
 def refuse_devices(environment: Environment) -> None:
-    """Raises TargetError for an environment with drivers, because they are Python classes."""
-    if environment.drivers:
-        raise TargetError("\n".join(_device(driver.definition, driver.external) for driver in environment.drivers))
+    """Raises TargetError for an environment with drivers that are Python classes."""
+    drivers = foreign_devices(environment)
+    if drivers:
+        raise TargetError("\n".join(_device(driver.definition, driver.external) for driver in drivers))
 
 
 def _bodies(network: Network) -> Iterator[tuple[str, str, ExternalBody]]:
@@ -41,7 +47,7 @@ def _bodies(network: Network) -> Iterator[tuple[str, str, ExternalBody]]:
         if class_.external is not None:
             kind = "process" if isinstance(class_, ProcessClass) else "submodel"
             yield kind, class_.definition, class_.external
-    environments = (environment for environment in network.environments if not environment.drivers)
+    environments = (environment for environment in network.environments if not foreign_devices(environment))
     for owner in (*network.classes, *environments):
         for call in external_calls(owner):
             yield "submodel", call.definition, call.external

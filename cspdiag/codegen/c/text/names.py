@@ -127,7 +127,11 @@ class PackageNames(Package):
             )
             for enum in network.enums
         }
+        drivers = [driver for entry in network.environments for driver in entry.drivers]
         by_hand = {entry.definition: snake_case(entry.definition) for entry in network.classes if entry.external}
+        by_hand |= {
+            entry.definition: snake_case(entry.definition) for entry in drivers if entry.external.language == "c"
+        }
         for name in by_hand.values():
             self._names.fresh(name)
         self.classes: Mapping[str, str] = {

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.resources import files as package_files
 from typing import Literal
 
-from cspdiag.base.record import record
+from cspdiag.base.record import record, replaced
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.text.code import Argument, Call, Code, Comprehension, Name, call, own
 from cspdiag.codegen.python.text.imports import Imports
@@ -20,8 +20,8 @@ from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.devices.catalogue import DEVICES, Device
 from cspdiag.model.types import Type, has_single
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
-from cspdiag.network.ir.external import external_bodies
-from cspdiag.network.ir.network import Network, Port
+from cspdiag.network.ir.external import devices_in_c, external_bodies
+from cspdiag.network.ir.network import CoreNetwork, Network, Port
 
 
 @record
@@ -148,6 +148,12 @@ def converting(port: Port, end: Code, imports: Imports) -> Code:
     return (
         call(class_, end, accept) if port.size is None else Comprehension(call(class_, Name("end"), accept), "end", end)
     )
+
+
+def without_devices_in_c(network: CoreNetwork) -> CoreNetwork:
+    """The network without environments that need C."""
+    kept = tuple(entry for entry in network.environments if not devices_in_c(entry))
+    return network if len(kept) == len(network.environments) else replaced(network, environments=kept)
 
 
 def bodies(network: Network) -> tuple[ExternalBody, ...]:

@@ -103,4 +103,4 @@ const struct network_drivers workshop_environment_drivers = {
 };
 
 const csp_environment workshop_environment =
-    {2 * CSP_MS, workshop_environment_start, workshop_environment_advance, &present};
+    {2 * CSP_MS, workshop_environment_start, workshop_environment_advance, &present, NULL};

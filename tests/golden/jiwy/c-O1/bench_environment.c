@@ -218,4 +218,4 @@ const struct network_drivers bench_environment_drivers = {
 };
 
 const csp_environment bench_environment =
-    {CSP_MS, bench_environment_start, bench_environment_advance, &present};
+    {CSP_MS, bench_environment_start, bench_environment_advance, &present, NULL};

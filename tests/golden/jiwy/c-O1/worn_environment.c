@@ -217,4 +217,4 @@ const struct network_drivers worn_environment_drivers = {
 };
 
 const csp_environment worn_environment =
-    {CSP_MS, worn_environment_start, worn_environment_advance, &present};
+    {CSP_MS, worn_environment_start, worn_environment_advance, &present, NULL};
