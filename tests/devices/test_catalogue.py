@@ -124,5 +124,5 @@ def test_c_refuses_a_device_and_says_what_to_write() -> None:
     text = 'driver Peer device "udp" { out x : double }\n'
     text += "process Main { in x : double @ 1 ms  communication { var a : double = 0 }  composition { x ? a } }\n"
     text += "environment Bench for Main { peer : Peer  peer.x -> x }\n"
-    with pytest.raises(cspdiag.TargetError, match='the driver `Peer` is the device "udp"'):
+    with pytest.raises(cspdiag.TargetError, match=r'the device "udp"(.|\n)*in C: `driver Peer c "udp.c"`'):
         cspdiag.parse(text).run(target="c", until="1 s")

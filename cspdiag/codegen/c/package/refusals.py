@@ -72,5 +72,7 @@ def _device(definition: str, body: ExternalBody) -> str:
         else f"a Python class ({body.target})"
     )
     what = f"the driver `{definition}` is {class_}, which a native program cannot call"
-    help_ = "choose an environment of submodels with --environment, or leave out --target c"
+    stem = body.target.rpartition(":")[0].rpartition("/")[2].removesuffix(".py") or body.target
+    in_c = f'write it in C: `driver {definition} c "{stem}.c"`'
+    help_ = f"{in_c}; or choose another environment with --environment, or leave out --target c"
     return f"{body.span}: {what}\n  help: {help_}"
