@@ -30,10 +30,12 @@ interpreter catches the last six.
 
 
 def exceptions_of_the_library() -> dict[str, type[BaseException]]:
-    """Exceptions that are not private, and not of the runtime, which generated packages contain without the library."""
+    """Exceptions that are not private, and not of the runtime and the devices, which generated packages contain without
+    the library.
+    """
     found = {}
     for path in PACKAGE.rglob("*.py"):
-        if path.is_relative_to(PACKAGE / "runtime"):
+        if path.is_relative_to(PACKAGE / "runtime") or path.is_relative_to(PACKAGE / "devices"):
             continue
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_") and node.bases:

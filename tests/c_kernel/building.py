@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -30,6 +32,20 @@ def need(*tools: str) -> None:
     missing = [tool for tool in tools if shutil.which(tool) is None]
     if missing:
         pytest.skip(f"not installed: {', '.join(missing)}")
+
+
+@cache
+def _links_with(compiler: str, option: str) -> bool:
+    """Whether a compiler has the libraries that an option needs; those of clang's sanitizers are a package apart."""
+    command = [compiler, option, "-x", "c", "-", "-o", os.devnull]
+    return subprocess.run(command, input="int main(void) { return 0; }", text=True, capture_output=True).returncode == 0
+
+
+def need_sanitizers(compiler: str, sanitizers: str) -> None:
+    """Skip the test if the compiler or the libraries of its sanitizers are missing."""
+    need(compiler)
+    if not _links_with(compiler, f"-fsanitize={sanitizers}"):
+        pytest.skip(f"not installed: the sanitizers of {compiler} (Debian: libclang-rt-14-dev)")
 
 
 def kernel_files(port: str = "simulation") -> list[Path]:

@@ -10,7 +10,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.cli.main import main
-from tests.c_kernel.building import HERE, STRICT, need, run
+from tests.c_kernel.building import HERE, STRICT, need, need_sanitizers, run
 from tests.conformance.sources import network_of, read
 
 ROOT = Path(__file__).parents[2]
@@ -56,7 +56,7 @@ def by_the_interface(folder: Path, program: str, main: Path, compiler: str, *opt
 @pytest.fixture(scope="module", params=["gcc", "clang"])
 def machine(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The machine, by its step interface, with sanitizers."""
-    need(request.param)
+    need_sanitizers(request.param, "address,undefined")
     checked = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     folder = tmp_path_factory.mktemp("machine")
     main = HERE / "devices" / "interface.c"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _Writer = Callable[[Any], object]
 
 
-class RecordingFailedError(Exception):
+class _RecordingFailedError(Exception):
     """A recording is not whole, as a message has said."""
 
 
@@ -71,7 +71,7 @@ def _requested_files(
 def _finish(recording: Recording, result: Run) -> None:
     recording.finish(result.outcome.ended, result.outcome.time, result.releases)
     if recording.problem is not None:
-        raise RecordingFailedError
+        raise _RecordingFailedError
 
 
 def _write(requested: list[tuple[Path | str, _Writer]]) -> list[Path | str]:
@@ -80,7 +80,7 @@ def _write(requested: list[tuple[Path | str, _Writer]]) -> list[Path | str]:
     for path, writer in requested:
         try:
             writer(path)
-        except RecordingFailedError:
+        except _RecordingFailedError:
             missing.append(path)
         except OSError as problem:
             problem.filename = str(path)

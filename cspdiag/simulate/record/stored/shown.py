@@ -24,7 +24,8 @@ def text_of(recording: StoredRecording) -> str:
     lows: dict[int, float] = {}
     highs: dict[int, float] = {}
     for blocks in recording.blocks():
-        for at, time, value in blocks:
+        for block in blocks:
+            at, time, value = block.port, block.time, block.value
             counts[at] += len(time)
             first = spans[at]
             spans[at] = (int(time[0]) if first is None else first[0], int(time[-1]))

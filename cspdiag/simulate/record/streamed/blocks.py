@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
+
+from cspdiag.base.record import record
 
 if TYPE_CHECKING:
     import numpy
@@ -11,7 +13,8 @@ if TYPE_CHECKING:
     from cspdiag.model.types import Type
 
 
-class Block(NamedTuple):
+@record
+class Block:
     """Values of the port at this position: instants in nanoseconds, ascending, of shape ``(n,)``, and as many values,
     an array as ``leaves.column`` makes them.
     """
