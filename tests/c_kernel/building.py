@@ -13,7 +13,7 @@ import pytest
 HERE = Path(__file__).parent
 SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
 PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
-STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wcast-qual", "-Wshadow", "-Werror")
 SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
 HOSTED = (
     "csp_linear.c", "csp_signals.c", "csp_simulation.c", "csp_simulation_posix.c", "csp_stream.c", "csp_stream_posix.c",

@@ -58,11 +58,21 @@ def test_scenario(built: tuple[Variant, Path], program: Path) -> None:
         assert run(*VALGRIND, executable) == expected
 
 
+PARTS = re.findall(r"#ifndef (CSP_USES_\w+)", (SUPPORT / "csp_parts.h").read_text())
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_kernel_compiles_without_a_part(part: str) -> None:
+    need("gcc")
+    run("gcc", *STRICT, f"-D{part}=0", f"-I{SUPPORT}", "-fsyntax-only", *kernel_files())
+
+
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("configuration", ["-DCSP_TRACE=0", "-DCSP_LEVELS=1U"])
+@pytest.mark.parametrize("configuration", ["-DCSP_TRACE=0", "-DCSP_LEVELS=1U", "nothing is used"])
 def test_kernel_compiles_in_every_configuration(compiler: str, configuration: str) -> None:
     need(compiler)
-    run(compiler, *STRICT, "-O2", configuration, f"-I{SUPPORT}", "-fsyntax-only", *kernel_files())
+    options = (configuration,) if configuration.startswith("-D") else tuple(f"-D{part}=0" for part in PARTS)
+    run(compiler, *STRICT, "-O2", *options, f"-I{SUPPORT}", "-fsyntax-only", *kernel_files())
 
 
 def test_static_analysis() -> None:

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Literal
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.package.linkage import NAMES, NO_NAMES
+from cspdiag.codegen.c.package.package import support_files
+from cspdiag.codegen.c.package.parts import PARTS
 from cspdiag.codegen.c.package.refusals import refuse_devices
 from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.pipeline import Reader, generate
@@ -120,7 +122,8 @@ def build_program(
     with stopping.raising():
         if board is not None:
             board.require_tools()
-        files = {**generate(network, read, "c", level, observed=not fused), NAMES: NO_NAMES, **(replaced or {})}
+        shared = {NAMES: NO_NAMES, PARTS: support_files()[PARTS.rpartition("/")[2]]}
+        files = {**generate(network, read, "c", level, observed=not fused), **shared, **(replaced or {})}
         if inputs is not None and chosen is not None:
             files = with_recorded_inputs(files, chosen.name, inputs)
         path = Build(

@@ -68,14 +68,21 @@ static int64_t later(int64_t one, int64_t other)
 /* Whether a port can make a process ready, or will write a value. With real devices, interrupt handlers may bring events. */
 static bool port_can_come(csp_kernel *csp, const csp_port *port)
 {
+    (void)csp;
     switch (port->kind) {
+#if CSP_USES_SAMPLED_INPUTS
     case CSP_PORT_SAMPLED:
         return csp_sampled_can_come((const csp_sampled_input *)(const void *)csp_medium_of(csp, port));
+#endif
+#if CSP_USES_EVENT_INPUTS
     case CSP_PORT_EVENT:
         return csp_event_can_come((const csp_event_input *)(const void *)csp_medium_of(csp, port),
                                   csp->program->environment == NULL);
+#endif
+#if CSP_USES_LATCHED_OUTPUTS
     case CSP_PORT_LATCHED:
         return ((const csp_latched_output *)(const void *)csp_medium_of(csp, port))->written;
+#endif
     default:
         return false;
     }
@@ -143,7 +150,7 @@ static void take_over(csp_kernel *csp, int64_t present)
     CSP_STORE(csp->news, false);
     csp->now = later(csp->now, earlier(present, csp_instants_next(csp) - 1));
     for (uint32_t index = 0U; index < csp->program->port_count; index++) {
-        if (csp->program->ports[index].kind == CSP_PORT_EVENT) {
+        if ((CSP_USES_EVENT_INPUTS != 0) && (csp->program->ports[index].kind == CSP_PORT_EVENT)) {
             csp_event_take_over(csp, (csp_event_input *)(void *)csp_medium_of(csp, &csp->program->ports[index]));
         }
     }

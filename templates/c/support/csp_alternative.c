@@ -27,7 +27,7 @@ bool csp_is_enabled(const csp_guard *guard)
 
 static inline void wake(csp_kernel *csp, csp_alternative *alternative)
 {
-    if (alternative->interrupt != NULL) {
+    if ((CSP_USES_INTERRUPTS != 0) && (alternative->interrupt != NULL)) {
         alternative->woken = true;
         csp_interrupt_wake(csp, alternative->interrupt);
     } else if (!alternative->woken) {
@@ -75,6 +75,9 @@ static uint32_t first_of_words(const csp_alternative *alternative, uint32_t firs
 
 static void clear_time_outs(csp_kernel *csp, csp_alternative *alternative)
 {
+    if (CSP_USES_TIME_OUTS == 0) {
+        return;
+    }
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
         if (guard->kind == (uint8_t)CSP_GUARD_AFTER) {
@@ -87,6 +90,9 @@ static void clear_time_outs(csp_kernel *csp, csp_alternative *alternative)
 bool csp_time_outs_passed(csp_alternative *alternative)
 {
     bool passed = false;
+    if (CSP_USES_TIME_OUTS == 0) {
+        return false;
+    }
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
         if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard) && (guard->at.timer->duration <= 0)) {
@@ -99,6 +105,9 @@ bool csp_time_outs_passed(csp_alternative *alternative)
 
 static void begin_time_outs(csp_kernel *csp, csp_alternative *alternative)
 {
+    if (CSP_USES_TIME_OUTS == 0) {
+        return;
+    }
     for (uint32_t index = 0U; index < alternative->count; index++) {
         csp_guard *const guard = &alternative->guard[index];
         if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard)) {

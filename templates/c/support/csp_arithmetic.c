@@ -4,11 +4,30 @@
 #include "csp_fault_text.h"
 #include "csp_program.h"
 
+#if !CSP_USES_TEXTS
+static void describe_nothing(const csp_operands *operands, char *text, size_t size)
+{
+    (void)operands;
+    if (size > 0U) {
+        text[0] = '\0';
+    }
+}
+#endif
+
 /* Notes a fault; the first one counts. */
 static void note(csp_kernel *csp, void (*describe)(const csp_operands *, char *, size_t), csp_operands operands)
 {
     if (csp->fault.describe == NULL) {
-        csp->fault = (csp_fault_note){describe, operands, NULL, NULL};
+        csp->fault.place = NULL;
+        csp->fault.law = NULL;
+#if CSP_USES_TEXTS
+        csp->fault.describe = describe;
+        csp->fault.operands = operands;
+#else
+        (void)describe;
+        (void)operands;
+        csp->fault.describe = describe_nothing;
+#endif
     }
 }
 
@@ -249,22 +268,32 @@ double csp_pow(double base, double exponent)
     return pow(base, exponent);
 }
 
+/* A step of a long division by 10^9 in binary: brings down the next digit of the dividend, and appends one to the quotient. */
+static void divide_next(uint32_t digit, uint64_t *quotient, uint32_t *rest)
+{
+    const uint32_t dividend = (*rest * 2U) + digit;
+    const bool goes = dividend >= UINT32_C(1000000000);
+    *rest = goes ? (dividend - UINT32_C(1000000000)) : dividend;
+    *quotient = (*quotient * 2U) + (goes ? 1U : 0U);
+}
+
 double csp_many_seconds(int64_t nanoseconds)
 {
-    /* Long division in binary: 53 digits, and then whether to round up. */
+    /* 53 digits, and then whether to round up. By steps, because a division of 64 bits takes as much flash as this on processors that have none. */
     const bool negative = nanoseconds < 0;
     const uint64_t magnitude = negative ? (uint64_t)0 - (uint64_t)nanoseconds : (uint64_t)nanoseconds;
-    uint64_t digits = magnitude / UINT64_C(1000000000);
-    uint64_t rest = magnitude % UINT64_C(1000000000);
+    uint64_t digits = 0U;
+    uint32_t rest = 0U;
     double unit = 1.0;
+    for (uint32_t bit = 64U; bit > 0U; bit--) {
+        divide_next((uint32_t)(magnitude >> (bit - 1U)) & 1U, &digits, &rest);
+    }
     while (digits < (UINT64_C(1) << 52)) {
-        rest *= 2U;
-        digits = (digits * 2U) + (rest / UINT64_C(1000000000));
-        rest %= UINT64_C(1000000000);
+        divide_next(0U, &digits, &rest);
         unit /= 2.0;
     }
     rest *= 2U;
-    if ((rest > UINT64_C(1000000000)) || ((rest == UINT64_C(1000000000)) && ((digits % 2U) == 1U))) {
+    if ((rest > UINT32_C(1000000000)) || ((rest == UINT32_C(1000000000)) && ((digits % 2U) == 1U))) {
         digits++;
     }
     const double seconds = (double)digits * unit;

@@ -3,7 +3,9 @@
 
 bool csp_withdraw(csp_medium *medium, csp_party *party)
 {
+    (void)party;
     switch (medium->kind) {
+#if CSP_USES_CHANNELS
     case CSP_CHANNEL: {
         csp_channel *const channel = (csp_channel *)(void *)medium;
         const bool waited = channel->waiting == party;
@@ -12,6 +14,8 @@ bool csp_withdraw(csp_medium *medium, csp_party *party)
         }
         return waited;
     }
+#endif
+#if CSP_USES_GUARDED_CHANNELS
     case CSP_GUARDED: {
         csp_guarded_channel *const channel = (csp_guarded_channel *)(void *)medium;
         const bool waited = channel->channel.waiting == party;
@@ -21,12 +25,16 @@ bool csp_withdraw(csp_medium *medium, csp_party *party)
         }
         return waited;
     }
+#endif
+#if CSP_USES_ANY_CHANNELS
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)medium;
         const bool waited = csp_remove(&channel->readers, party) || csp_remove(&channel->writers, party);
         csp_any_left(channel);
         return waited;
     }
+#endif
+#if CSP_USES_BROADCASTS
     case CSP_BROADCAST: {
         csp_broadcast *const channel = (csp_broadcast *)(void *)medium;
         const bool waited = channel->writer == party;
@@ -45,6 +53,8 @@ bool csp_withdraw(csp_medium *medium, csp_party *party)
         }
         return waited;
     }
+#endif
+#if CSP_USES_BUFFERS
     case CSP_BUFFER: {
         csp_buffer *const buffer = (csp_buffer *)(void *)medium;
         const bool reads = buffer->reader == party;
@@ -57,6 +67,8 @@ bool csp_withdraw(csp_medium *medium, csp_party *party)
         }
         return reads || writes;
     }
+#endif
+#if CSP_USES_SAMPLED_INPUTS
     case CSP_SAMPLED_END: {
         csp_sampled_end *const end = (csp_sampled_end *)(void *)medium;
         const bool waited = end->reader == party;
@@ -65,8 +77,11 @@ bool csp_withdraw(csp_medium *medium, csp_party *party)
         }
         return waited;
     }
+#endif
+#if CSP_USES_EVENT_INPUTS
     case CSP_EVENT_END:
         return csp_remove(&((csp_event_end *)(void *)medium)->readers, party);
+#endif
     default:
         return false;
     }
@@ -74,27 +89,42 @@ bool csp_withdraw(csp_medium *medium, csp_party *party)
 
 bool csp_is_registered(const csp_medium *medium, const csp_party *party)
 {
+    (void)party;
     switch (medium->kind) {
+#if CSP_USES_CHANNELS
     case CSP_CHANNEL:
         return ((const csp_channel *)(const void *)medium)->waiting == party;
+#endif
+#if CSP_USES_GUARDED_CHANNELS
     case CSP_GUARDED:
         return ((const csp_guarded_channel *)(const void *)medium)->channel.waiting == party;
+#endif
+#if CSP_USES_ANY_CHANNELS
     case CSP_ANY: {
         const csp_any_channel *const channel = (const csp_any_channel *)(const void *)medium;
         return csp_contains(&channel->readers, party) || csp_contains(&channel->writers, party);
     }
+#endif
+#if CSP_USES_BROADCASTS
     case CSP_BROADCAST:
         return ((const csp_broadcast *)(const void *)medium)->writer == party;
     case CSP_BROADCAST_END:
         return ((const csp_broadcast_end *)(const void *)medium)->reader == party;
+#endif
+#if CSP_USES_BUFFERS
     case CSP_BUFFER: {
         const csp_buffer *const buffer = (const csp_buffer *)(const void *)medium;
         return (buffer->reader == party) || (buffer->writer == party);
     }
+#endif
+#if CSP_USES_SAMPLED_INPUTS
     case CSP_SAMPLED_END:
         return ((const csp_sampled_end *)(const void *)medium)->reader == party;
+#endif
+#if CSP_USES_EVENT_INPUTS
     case CSP_EVENT_END:
         return csp_contains(&((const csp_event_end *)(const void *)medium)->readers, party);
+#endif
     default:
         return false;
     }
@@ -102,23 +132,32 @@ bool csp_is_registered(const csp_medium *medium, const csp_party *party)
 
 bool csp_withdraw_process(csp_kernel *csp, csp_process *process)
 {
+    (void)csp;
     const csp_place *const place = csp_place_of(process);
     void *const object = csp_object_at(process, place);
     switch (place->waiting) {
     case CSP_AT_READ:
     case CSP_AT_WRITE:
         return csp_withdraw((csp_medium *)object, &process->party);
+#if CSP_USES_ALTERNATIVES
     case CSP_AT_ALTERNATIVE:
         return csp_alternative_withdraw(csp, (csp_alternative *)object, &process->party);
+#endif
+#if CSP_USES_OFFERS
     case CSP_AT_INPUTS:
     case CSP_AT_OUTPUTS:
         return csp_offers_withdraw(csp, (csp_offers *)object);
+#endif
+#if CSP_USES_DELAYS
     case CSP_AT_DELAY:
         return csp_timer_stop(csp, (csp_timer *)object);
+#endif
     case CSP_AT_STOP:
         return true;
+#if CSP_USES_INTERRUPTS
     case CSP_AT_INTERRUPT:
         return csp_interrupt_withdraw(csp, (csp_interrupt *)object, &process->party);
+#endif
     default:
         return false;
     }
@@ -130,9 +169,11 @@ csp_parallel *csp_parallel_of(const csp_process *process)
     if (place->waiting == (uint8_t)CSP_AT_PARALLEL) {
         return (csp_parallel *)csp_object_at(process, place);
     }
+#if CSP_USES_INTERRUPTS
     if (place->waiting == (uint8_t)CSP_AT_INTERRUPT) {
         return &((csp_interrupt *)csp_object_at(process, place))->body;
     }
+#endif
     return NULL;
 }
 
@@ -148,15 +189,21 @@ csp_process *csp_task_of(csp_process *process)
 /* Prepares the branches for cancellation, from the first one; withdraws the guard of an interrupt. */
 static void abandon_branches(csp_kernel *csp, csp_process *process, csp_parallel *parallel)
 {
+#if CSP_USES_INTERRUPTS
     const csp_place *const place = csp_place_of(process);
     if (place->waiting == (uint8_t)CSP_AT_INTERRUPT) {
         csp_interrupt_retract(csp, (csp_interrupt *)csp_object_at(process, place));
     }
+#else
+    (void)csp;
+    (void)process;
+#endif
     parallel->abandoned = true;
     parallel->run = 0U;
     parallel->index = 0U;
 }
 
+#if CSP_USES_INTERRUPTS
 /* The running process itself has made the guard ready that interrupts it, and may be about to wait in that same communication. The
  * canceller is in the ready queue before anything that a partner could cause; when it runs, the process waits or has ended. */
 static csp_party *cancel_waiting(csp_kernel *csp, csp_party *party)
@@ -184,8 +231,11 @@ static csp_party *cancel_waiting(csp_kernel *csp, csp_party *party)
     return &victim->party;
 }
 
+#endif
+
 static void cancel_running(csp_kernel *csp, csp_process *process, csp_interrupt *interrupt)
 {
+#if CSP_USES_INTERRUPTS
     if (interrupt == NULL) {
         return;
     }
@@ -196,6 +246,11 @@ static void cancel_running(csp_kernel *csp, csp_process *process, csp_interrupt 
         interrupt->canceller.level = process->party.level;
         csp_ready(csp, &interrupt->canceller);
     }
+#else
+    (void)csp;
+    (void)process;
+    (void)interrupt;
+#endif
 }
 
 /* Cancels what a task waits for. Returns the innermost process if its branches have to be cancelled next, or NULL. */

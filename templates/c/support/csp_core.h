@@ -26,6 +26,7 @@
 #include <string.h>
 
 #include "csp_config.h" /* CSP_TRACE (0 or 1), CSP_LEVELS (of priority, at least 1) */
+#include "csp_parts.h"
 
 typedef struct csp_party csp_party;
 typedef struct csp_process csp_process;

@@ -1,34 +1,5 @@
-/* See csp_fault_text.h. With CSP_NO_TEXT, for small machines, messages of faults are omitted and only their places are reported. */
+/* See csp_fault_text.h. */
 #include "csp_fault_text.h"
-
-#ifdef CSP_NO_TEXT
-
-#define CSP_SILENT(name)                                                     \
-    void name(const csp_operands *operands, char *text, size_t size)         \
-    {                                                                        \
-        (void)operands;                                                      \
-        if (size > 0U) {                                                     \
-            text[0] = '\0';                                                  \
-        }                                                                    \
-    }
-
-CSP_SILENT(csp_describe_sum)
-CSP_SILENT(csp_describe_difference)
-CSP_SILENT(csp_describe_product)
-CSP_SILENT(csp_describe_division)
-CSP_SILENT(csp_describe_real_division)
-CSP_SILENT(csp_describe_negative_exponent)
-CSP_SILENT(csp_describe_power)
-CSP_SILENT(csp_describe_power_value)
-CSP_SILENT(csp_describe_outside)
-CSP_SILENT(csp_describe_real_outside)
-CSP_SILENT(csp_describe_index)
-CSP_SILENT(csp_describe_not_a_number)
-CSP_SILENT(csp_describe_not_finite)
-CSP_SILENT(csp_describe_not_written)
-CSP_SILENT(csp_describe_not_opened)
-
-#else
 
 #include <math.h>
 
@@ -273,5 +244,3 @@ void csp_describe_not_opened(const csp_operands *operands, char *text, size_t si
     csp_append(text, size, operands->name);
     csp_append(text, size, " could not be opened");
 }
-
-#endif

@@ -22,6 +22,7 @@ void csp_unwatch(csp_guard **watchers, csp_guard *guard)
     }
 }
 
+#if CSP_USES_ANY_CHANNELS
 static bool began_before(const csp_guard *one, const csp_guard *other)
 {
     return (other->alternative->began - one->alternative->began) < (UINT32_MAX / 2U);
@@ -48,6 +49,7 @@ static void dismiss_from(csp_guard **enrolled, const csp_guard *guard)
         *found = guard->enrolled;
     }
 }
+#endif
 
 void csp_set_attends(csp_guard *guard, bool attends)
 {
@@ -70,6 +72,7 @@ void csp_attend(csp_kernel *csp, csp_guard *watchers)
     }
 }
 
+#if CSP_USES_GUARDED_CHANNELS
 /* Finds out anew which guard of a channel is the only one. */
 static void find_sole(csp_guarded_channel *channel)
 {
@@ -79,10 +82,13 @@ static void find_sole(csp_guarded_channel *channel)
         guard->direct = (guard == channel->sole) && (guard->kind == (uint8_t)CSP_GUARD_INPUT);
     }
 }
+#endif
 
 void csp_watch_input(csp_kernel *csp, csp_guard *guard)
 {
+    (void)csp;
     switch (guard->medium->kind) {
+#if CSP_USES_GUARDED_CHANNELS
     case CSP_GUARDED: {
         csp_guarded_channel *const channel = (csp_guarded_channel *)(void *)guard->medium;
         csp_watch(&channel->inputs, guard);
@@ -92,6 +98,8 @@ void csp_watch_input(csp_kernel *csp, csp_guard *guard)
         }
         break;
     }
+#endif
+#if CSP_USES_ANY_CHANNELS
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_watch(&channel->inputs, guard);
@@ -104,6 +112,8 @@ void csp_watch_input(csp_kernel *csp, csp_guard *guard)
         }
         break;
     }
+#endif
+#if CSP_USES_BUFFERS
     case CSP_BUFFER: {
         csp_buffer *const buffer = (csp_buffer *)(void *)guard->medium;
         csp_watch(&buffer->inputs, guard);
@@ -112,6 +122,8 @@ void csp_watch_input(csp_kernel *csp, csp_guard *guard)
         }
         break;
     }
+#endif
+#if CSP_USES_BROADCASTS
     case CSP_BROADCAST_END: {
         csp_broadcast_end *const end = (csp_broadcast_end *)(void *)guard->medium;
         csp_watch(&end->inputs, guard);
@@ -123,6 +135,8 @@ void csp_watch_input(csp_kernel *csp, csp_guard *guard)
         }
         break;
     }
+#endif
+#if CSP_USES_SAMPLED_INPUTS
     case CSP_SAMPLED_END: {
         csp_sampled_end *const end = (csp_sampled_end *)(void *)guard->medium;
         csp_watch(&end->inputs, guard);
@@ -134,6 +148,8 @@ void csp_watch_input(csp_kernel *csp, csp_guard *guard)
         }
         break;
     }
+#endif
+#if CSP_USES_EVENT_INPUTS
     case CSP_EVENT_END: {
         csp_event_end *const end = (csp_event_end *)(void *)guard->medium;
         csp_watch(&end->inputs, guard);
@@ -142,6 +158,7 @@ void csp_watch_input(csp_kernel *csp, csp_guard *guard)
         }
         break;
     }
+#endif
     default:
         break;
     }
@@ -149,7 +166,9 @@ void csp_watch_input(csp_kernel *csp, csp_guard *guard)
 
 void csp_watch_output(csp_kernel *csp, csp_guard *guard)
 {
+    (void)csp;
     switch (guard->medium->kind) {
+#if CSP_USES_ANY_CHANNELS
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_watch(&channel->outputs, guard);
@@ -162,6 +181,8 @@ void csp_watch_output(csp_kernel *csp, csp_guard *guard)
         }
         break;
     }
+#endif
+#if CSP_USES_BUFFERS
     case CSP_BUFFER: {
         csp_buffer *const buffer = (csp_buffer *)(void *)guard->medium;
         if (!buffer->overwrites) {
@@ -172,6 +193,8 @@ void csp_watch_output(csp_kernel *csp, csp_guard *guard)
         }
         break;
     }
+#endif
+#if CSP_USES_BROADCASTS
     case CSP_BROADCAST: {
         csp_broadcast *const channel = (csp_broadcast *)(void *)guard->medium;
         csp_watch(&channel->outputs, guard);
@@ -181,6 +204,7 @@ void csp_watch_output(csp_kernel *csp, csp_guard *guard)
         csp_broadcast_readers_changed(csp, channel);
         break;
     }
+#endif
     default:
         break;
     }
@@ -192,6 +216,7 @@ void csp_unwatch_guard(csp_guard *guard)
         return;
     }
     switch (guard->medium->kind) {
+#if CSP_USES_GUARDED_CHANNELS
     case CSP_GUARDED: {
         csp_guarded_channel *const channel = (csp_guarded_channel *)(void *)guard->medium;
         csp_unwatch(&channel->inputs, guard);
@@ -199,30 +224,41 @@ void csp_unwatch_guard(csp_guard *guard)
         find_sole(channel);
         break;
     }
+#endif
+#if CSP_USES_ANY_CHANNELS
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_unwatch(&channel->inputs, guard);
         csp_unwatch(&channel->outputs, guard);
         break;
     }
+#endif
+#if CSP_USES_BUFFERS
     case CSP_BUFFER: {
         csp_buffer *const buffer = (csp_buffer *)(void *)guard->medium;
         csp_unwatch(&buffer->inputs, guard);
         csp_unwatch(&buffer->outputs, guard);
         break;
     }
+#endif
+#if CSP_USES_BROADCASTS
     case CSP_BROADCAST:
         csp_unwatch(&((csp_broadcast *)(void *)guard->medium)->outputs, guard);
         break;
     case CSP_BROADCAST_END:
         csp_unwatch(&((csp_broadcast_end *)(void *)guard->medium)->inputs, guard);
         break;
+#endif
+#if CSP_USES_SAMPLED_INPUTS
     case CSP_SAMPLED_END:
         csp_unwatch(&((csp_sampled_end *)(void *)guard->medium)->inputs, guard);
         break;
+#endif
+#if CSP_USES_EVENT_INPUTS
     case CSP_EVENT_END:
         csp_unwatch(&((csp_event_end *)(void *)guard->medium)->inputs, guard);
         break;
+#endif
     default:
         break;
     }
@@ -230,76 +266,128 @@ void csp_unwatch_guard(csp_guard *guard)
 
 void csp_enroll(csp_kernel *csp, csp_guard *guard)
 {
-    const bool writes = guard->kind == (uint8_t)CSP_GUARD_OUTPUT;
+    (void)csp;
     guard->is_enrolled = true;
     guard->alternative->enrolls = true;
-    if (guard->medium->kind == (uint8_t)CSP_ANY) {
+    switch (guard->medium->kind) {
+#if CSP_USES_ANY_CHANNELS
+    case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
+        const bool writes = guard->kind == (uint8_t)CSP_GUARD_OUTPUT;
         enroll_at(writes ? &channel->writing : &channel->reading, guard);
         csp_raise_bits(csp, writes ? channel->inputs : channel->outputs);
-    } else if (guard->medium->kind == (uint8_t)CSP_BROADCAST_END) {
+        break;
+    }
+#endif
+#if CSP_USES_BROADCASTS
+    case CSP_BROADCAST_END: {
         csp_broadcast_end *const end = (csp_broadcast_end *)(void *)guard->medium;
         end->waiting = guard;
         csp_broadcast_readers_changed(csp, end->channel);
-    } else if (guard->medium->kind == (uint8_t)CSP_SAMPLED_END) {
+        break;
+    }
+#endif
+#if CSP_USES_SAMPLED_INPUTS
+    case CSP_SAMPLED_END:
         csp_sampled_begin((csp_sampled_end *)(void *)guard->medium);
-    } else {
-        /* Other media do not keep waiting alternatives. */
+        break;
+#endif
+    default:
+        break; /* other media do not keep waiting alternatives */
     }
 }
 
 void csp_dismiss(csp_guard *guard)
 {
     guard->is_enrolled = false;
-    if (guard->medium->kind == (uint8_t)CSP_ANY) {
+    switch (guard->medium->kind) {
+#if CSP_USES_ANY_CHANNELS
+    case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         dismiss_from((guard->kind == (uint8_t)CSP_GUARD_OUTPUT) ? &channel->writing : &channel->reading, guard);
         csp_any_left(channel);
-    } else if (guard->medium->kind == (uint8_t)CSP_BROADCAST_END) {
+        break;
+    }
+#endif
+#if CSP_USES_BROADCASTS
+    case CSP_BROADCAST_END: {
         csp_broadcast_end *const end = (csp_broadcast_end *)(void *)guard->medium;
         end->waiting = NULL;
         csp_broadcast_reader_left(end->channel);
-    } else {
-        /* As in csp_enroll. */
+        break;
+    }
+#endif
+    default:
+        break; /* as in csp_enroll */
     }
 }
 
 csp_progress csp_take(csp_kernel *csp, csp_party *party, csp_guard *guard)
 {
+    (void)csp;
+    (void)party;
     switch (guard->medium->kind) {
+#if CSP_USES_GUARDED_CHANNELS
     case CSP_GUARDED:
         return csp_guarded_read(csp, party, (csp_guarded_channel *)(void *)guard->medium, guard->at.slot, guard->size);
+#endif
+#if CSP_USES_ANY_CHANNELS
     case CSP_ANY:
         return csp_any_take(csp, party, (csp_any_channel *)(void *)guard->medium, guard->at.slot, guard->size);
+#endif
+#if CSP_USES_BUFFERS
     case CSP_BUFFER:
         csp_buffer_take(csp, party, (csp_buffer *)(void *)guard->medium, guard->at.slot, guard->size);
         return CSP_DONE;
+#endif
+#if CSP_USES_BROADCASTS
     case CSP_BROADCAST_END:
         csp_broadcast_taken(csp, party, (csp_broadcast_end *)(void *)guard->medium, guard->at.slot, guard->size);
         return CSP_DONE;
+#endif
+#if CSP_USES_SAMPLED_INPUTS
     case CSP_SAMPLED_END:
         return csp_sampled_take(csp, party, (csp_sampled_end *)(void *)guard->medium, guard->at.slot, guard->size);
-    default:
+#endif
+#if CSP_USES_EVENT_INPUTS
+    case CSP_EVENT_END:
         csp_event_take(csp, party, (csp_event_end *)(void *)guard->medium, guard->at.slot, guard->size);
+        return CSP_DONE;
+#endif
+    default:
         return CSP_DONE;
     }
 }
 
 void csp_settle_input(csp_kernel *csp, csp_guard *guard)
 {
+    (void)csp;
+    (void)guard;
+#if CSP_USES_ANY_CHANNELS
     if (guard->medium->kind == (uint8_t)CSP_ANY) {
         csp_any_settle(csp, (csp_any_channel *)(void *)guard->medium);
     }
+#endif
 }
 
 csp_progress csp_choose_output(csp_kernel *csp, csp_party *party, csp_guard *guard)
 {
+    (void)csp;
+    (void)party;
     switch (guard->medium->kind) {
+#if CSP_USES_ANY_CHANNELS
     case CSP_ANY:
         return csp_any_choose_output(csp, party, (csp_any_channel *)(void *)guard->medium, guard->at.slot, guard->size);
+#endif
+#if CSP_USES_BUFFERS
     case CSP_BUFFER:
         return csp_buffer_write(csp, party, (csp_buffer *)(void *)guard->medium, guard->at.slot, guard->size);
-    default:
+#endif
+#if CSP_USES_BROADCASTS
+    case CSP_BROADCAST:
         return csp_broadcast_choose_output(csp, party, (csp_broadcast *)(void *)guard->medium, guard->at.slot, guard->size);
+#endif
+    default:
+        return CSP_DONE;
     }
 }

@@ -30,11 +30,16 @@ static int64_t tick_after(int64_t tick, int64_t period)
 /* The period of a port; 0: none. */
 static int64_t period_of(csp_kernel *csp, const csp_port *port)
 {
+    (void)csp;
     switch (port->kind) {
+#if CSP_USES_SAMPLED_INPUTS
     case CSP_PORT_SAMPLED:
         return ((const csp_sampled_input *)(const void *)csp_medium_of(csp, port))->period;
+#endif
+#if CSP_USES_LATCHED_OUTPUTS
     case CSP_PORT_LATCHED:
         return ((const csp_latched_output *)(const void *)csp_medium_of(csp, port))->period;
+#endif
     default:
         return 0;
     }
@@ -49,20 +54,35 @@ static int64_t tick_of(csp_kernel *csp, const csp_port *port)
 
 static bool is_polled(csp_kernel *csp, const csp_port *port)
 {
-    return (port->kind == CSP_PORT_EVENT) &&
+    return (CSP_USES_EVENT_INPUTS != 0) && (port->kind == CSP_PORT_EVENT) &&
            (((const csp_event_input *)(const void *)csp_medium_of(csp, port))->driver.read != NULL);
 }
 
+/* The greatest common divisor of two periods, of which either may be 0. By halving, because a division of 64 bits takes flash on small processors. */
 static int64_t common_divisor(int64_t one, int64_t other)
 {
-    int64_t greater = one;
-    int64_t rest = other;
-    while (rest != 0) {
-        const int64_t next = greater % rest;
-        greater = rest;
-        rest = next;
+    int64_t left = one;
+    int64_t right = other;
+    int64_t twos = 1;
+    if ((left == 0) || (right == 0)) {
+        return left + right;
     }
-    return greater;
+    while (left != right) {
+        const bool left_even = (left % 2) == 0;
+        const bool right_even = (right % 2) == 0;
+        if (left_even && right_even) {
+            twos *= 2;
+        }
+        if (left_even || right_even) {
+            left = left_even ? (left / 2) : left;
+            right = right_even ? (right / 2) : right;
+        } else if (left > right) {
+            left -= right;
+        } else {
+            right -= left;
+        }
+    }
+    return left * twos;
 }
 
 /* The step of the environment; without an environment, the greatest common divisor of the periods, at which devices are polled for events. */
@@ -72,6 +92,9 @@ static int64_t grid_of(csp_kernel *csp)
     bool polled = false;
     if (csp->program->environment != NULL) {
         return csp->program->environment->step;
+    }
+    if (CSP_USES_EVENT_INPUTS == 0) {
+        return 0;
     }
     for (uint32_t index = 0U; index < csp->program->port_count; index++) {
         polled = polled || is_polled(csp, &csp->program->ports[index]);
@@ -95,9 +118,9 @@ void csp_instants_begin(csp_kernel *csp)
     csp->outputs.to = 0U;
     for (uint32_t index = 0U; index < csp->program->port_count; index++) {
         const csp_port *const port = &csp->program->ports[index];
-        if ((port->kind == CSP_PORT_SAMPLED) || (port->kind == CSP_PORT_EVENT)) {
+        if ((CSP_USES_INPUTS != 0) && ((port->kind == CSP_PORT_SAMPLED) || (port->kind == CSP_PORT_EVENT))) {
             extend(&csp->inputs, index);
-        } else if (port->kind == CSP_PORT_LATCHED) {
+        } else if ((CSP_USES_LATCHED_OUTPUTS != 0) && (port->kind == CSP_PORT_LATCHED)) {
             extend(&csp->outputs, index);
         } else {
             /* This port has no instants. */
@@ -113,11 +136,11 @@ void csp_instants_begin(csp_kernel *csp)
 static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
 {
     const csp_port *const ports = csp->program->ports;
-    const uint32_t end = csp->inputs.to;
+    const uint32_t end = (CSP_USES_INPUTS != 0) ? csp->inputs.to : 0U;
     int64_t next = INT64_MAX;
     for (uint32_t index = csp->inputs.from; index < end; index++) {
         const csp_port *const port = &ports[index];
-        if (port->kind == CSP_PORT_SAMPLED) {
+        if ((CSP_USES_SAMPLED_INPUTS != 0) && (port->kind == CSP_PORT_SAMPLED)) {
             csp_sampled_input *const input = (csp_sampled_input *)(void *)csp_medium_of(csp, port);
             if (input->next == instant) {
                 input->next = tick_after(instant, input->period);
@@ -128,7 +151,8 @@ static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
                 }
             }
             next = earlier(next, input->next);
-        } else if ((port->kind == CSP_PORT_EVENT) && (csp->next_grid == instant) && (tick_after(instant, csp->grid) > present)) {
+        } else if ((CSP_USES_EVENT_INPUTS != 0) && (port->kind == CSP_PORT_EVENT) && (csp->next_grid == instant) &&
+                   (tick_after(instant, csp->grid) > present)) {
             csp_event_poll(csp, (csp_event_input *)(void *)csp_medium_of(csp, port));
         } else {
             /* This port has no instant now. */
@@ -140,11 +164,11 @@ static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
 int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant)
 {
     const csp_port *const ports = csp->program->ports;
-    const uint32_t end = csp->outputs.to;
+    const uint32_t end = (CSP_USES_LATCHED_OUTPUTS != 0) ? csp->outputs.to : 0U;
     int64_t next = INT64_MAX;
     for (uint32_t index = csp->outputs.from; index < end; index++) {
         const csp_port *const port = &ports[index];
-        if (port->kind == CSP_PORT_LATCHED) {
+        if ((CSP_USES_LATCHED_OUTPUTS != 0) && (port->kind == CSP_PORT_LATCHED)) {
             csp_latched_output *const output = (csp_latched_output *)(void *)csp_medium_of(csp, port);
             if (output->next == instant) {
                 output->next = tick_after(instant, output->period);

@@ -57,7 +57,9 @@ static bool collect(csp_kernel *csp, csp_offer *offer)
 {
     const csp_party *const process = offer->offers->process;
     csp_progress progress = CSP_FAILS;
-    if (offer->medium->kind == (uint8_t)CSP_EVENT_END) {
+    switch (offer->medium->kind) {
+#if CSP_USES_EVENT_INPUTS
+    case CSP_EVENT_END: {
         csp_event_end *const end = (csp_event_end *)(void *)offer->medium;
         if (csp_is_cancelled(process)) {
             csp_event_pass_on(csp, end);
@@ -69,11 +71,22 @@ static bool collect(csp_kernel *csp, csp_offer *offer)
             csp_enter_front(&end->readers, &offer->party);
             progress = CSP_WAITS;
         }
-    } else if (csp_is_cancelled(process)) {
-        (void)csp_refuse(csp, process);
-    } else {
-        csp_sampled_end *const end = (csp_sampled_end *)(void *)offer->medium;
-        progress = csp_sampled_read(csp, &offer->party, end, offer->party.slot, offer->size);
+        break;
+    }
+#endif
+#if CSP_USES_SAMPLED_INPUTS
+    case CSP_SAMPLED_END:
+        if (csp_is_cancelled(process)) {
+            (void)csp_refuse(csp, process);
+        } else {
+            csp_sampled_end *const end = (csp_sampled_end *)(void *)offer->medium;
+            progress = csp_sampled_read(csp, &offer->party, end, offer->party.slot, offer->size);
+        }
+        break;
+#endif
+    default:
+        (void)process;
+        break;
     }
     if (progress == CSP_FAILS) {
         done(offer);
@@ -161,23 +174,33 @@ bool csp_offer_meets(csp_kernel *csp, csp_offers *offers, const csp_medium *medi
 {
     bool meets = false;
     switch (medium->kind) {
+#if CSP_USES_CHANNELS
     case CSP_CHANNEL:
         meets = ((const csp_channel *)(const void *)medium)->waiting != NULL;
         break;
+#endif
+#if CSP_USES_GUARDED_CHANNELS
     case CSP_GUARDED:
         meets = ((const csp_guarded_channel *)(const void *)medium)->channel.waiting != NULL;
         break;
+#endif
+#if CSP_USES_ANY_CHANNELS
     case CSP_ANY: {
         const csp_any_channel *const channel = (const csp_any_channel *)(const void *)medium;
         meets = (channel->readers.first != NULL) || (channel->writers.first != NULL);
         break;
     }
+#endif
+#if CSP_USES_BUFFERS
     case CSP_BUFFER:
         meets = ((const csp_buffer *)(const void *)medium)->reader != NULL;
         break;
+#endif
+#if CSP_USES_BROADCASTS
     case CSP_BROADCAST_END:
         meets = ((const csp_broadcast_end *)(const void *)medium)->fresh;
         break;
+#endif
     default:
         break;
     }

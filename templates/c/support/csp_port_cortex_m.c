@@ -154,7 +154,14 @@ int64_t csp_port_now(void)
 static uint32_t cycles_in(int64_t time)
 {
     const int64_t longest = (int64_t)LONGEST * NANOSECONDS / CSP_CORTEX_M_CLOCK;
-    return (time >= longest) ? LONGEST : (uint32_t)(((time * CSP_CORTEX_M_CLOCK) + NANOSECONDS - 1) / NANOSECONDS);
+    if (time >= longest) {
+        return LONGEST;
+    }
+    if (((NANOSECONDS % CSP_CORTEX_M_CLOCK) == 0) && (longest <= (int64_t)UINT32_MAX)) {
+        const uint32_t of_cycle = (uint32_t)(NANOSECONDS / CSP_CORTEX_M_CLOCK);
+        return ((uint32_t)time / of_cycle) + ((((uint32_t)time % of_cycle) != 0U) ? 1U : 0U);
+    }
+    return (uint32_t)(((time * CSP_CORTEX_M_CLOCK) + NANOSECONDS - 1) / NANOSECONDS);
 }
 
 /* Makes the next interrupt come when these cycles have passed since the counter began, unless it comes earlier: the wait is repeated then. Returns false

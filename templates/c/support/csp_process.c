@@ -130,15 +130,20 @@ csp_process *csp_next_branch(csp_parallel *parallel)
     return NULL;
 }
 
+#if CSP_USES_BRANCHES
 static inline void branch_ended(csp_kernel *csp, csp_parallel *parallel, bool cancelled)
 {
     parallel->pending--;
     if (parallel->pending == 0U) {
         csp_ready(csp, &parallel->parent->party);
     }
+#if CSP_USES_INTERRUPTS
     if (parallel->interrupt != NULL) {
         csp_body_ended(csp, parallel->interrupt, cancelled);
     }
+#else
+    (void)cancelled;
+#endif
 }
 
 /* The first exception of a branch cancels the other branches, and is raised by the parallel. */
@@ -161,16 +166,19 @@ static void branch_failed(csp_kernel *csp, csp_parallel *parallel)
     }
     branch_ended(csp, parallel, cancelled);
 }
+#endif
 
 csp_party *csp_end(csp_kernel *csp, csp_party *party)
 {
     const csp_process *const process = (const csp_process *)(const void *)party;
     const unsigned flags = party->flags;
     party->flags = (uint8_t)(flags | (unsigned)CSP_ENDED);
+#if CSP_USES_BRANCHES
     if ((flags & (unsigned)CSP_BRANCH) != 0U) {
         branch_ended(csp, (csp_parallel *)process->above, false);
         return NULL;
     }
+#endif
     if (process->above == NULL) {
         csp->error = no_error;
     }
@@ -182,10 +190,14 @@ csp_party *csp_fail(csp_kernel *csp, csp_party *party)
     const csp_process *const process = (const csp_process *)(const void *)party;
     const unsigned flags = party->flags;
     party->flags = (uint8_t)(flags | (unsigned)CSP_ENDED);
+#if CSP_USES_BRANCHES
     if ((flags & (unsigned)CSP_BRANCH) != 0U) {
         branch_failed(csp, (csp_parallel *)process->above);
         return NULL;
     }
+#else
+    (void)csp;
+#endif
     if (process->above != NULL) {
         csp_process *const caller = (csp_process *)process->above;
         caller->party.state = csp_place_of(caller)->failed;

@@ -44,7 +44,7 @@ static void release_port(csp_kernel *csp, const csp_port *port)
     }
     const csp_medium *const medium = csp_medium_of(csp, port);
     const csp_driver *driver = NULL;
-    if (port->kind == CSP_PORT_LATCHED) {
+    if ((CSP_USES_LATCHED_OUTPUTS != 0) && (port->kind == CSP_PORT_LATCHED)) {
         driver = &((const csp_latched_output *)(const void *)medium)->driver;
     } else {
         driver = &((const csp_direct_output *)(const void *)medium)->driver;

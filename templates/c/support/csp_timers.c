@@ -117,11 +117,13 @@ void csp_timers_fall_due(csp_kernel *csp, int64_t instant)
 {
     while ((csp->earliest != NULL) && (csp->earliest->instant <= instant)) {
         csp_timer *const timer = take_earliest(csp);
-        if (timer->party != NULL) {
-            csp_ready(csp, timer->party);
-        } else {
+#if CSP_USES_TIME_OUTS
+        if (timer->party == NULL) {
             csp_raise_all(csp, timer->guard);
+            continue;
         }
+#endif
+        csp_ready(csp, timer->party);
     }
 }
 

@@ -16,6 +16,7 @@ from cspdiag.codegen.c.network.network import network_files
 from cspdiag.codegen.c.package.definitions import constants_header, plain_types_header, types_header
 from cspdiag.codegen.c.package.layouts import SUPPORT, Library, arranged
 from cspdiag.codegen.c.package.linkage import NAMES, first_included, names_header
+from cspdiag.codegen.c.package.parts import PARTS, parts_header
 from cspdiag.codegen.c.package.refusals import foreign_devices, refuse
 from cspdiag.codegen.c.process.levels import separate_depths
 from cspdiag.codegen.c.text.literals import in_comment
@@ -241,6 +242,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     kernel_headers = [text for path, text in support.items() if path.endswith(".h") and path != _OF_BOARD]
     files[NAMES] = names_header(project.package, sources, kernel_headers)
     files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path != _CONFIGURATION})
+    files[PARTS] = parts_header(files[PARTS], sources)
     files.update({path: first_included(path, text) for path, text in by_hand.items() if path.endswith(".c")})
     library = Library(project.package, project.top, project.source, one_line(description))
     return Package(files, by_hand.keys(), project, library, interface)
