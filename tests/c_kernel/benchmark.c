@@ -85,11 +85,18 @@ static const csp_place consumer_places[] = PLACES(struct consumer, output);
 static csp_party *prefix_step(csp_kernel *csp, csp_party *party)
 {
     struct relay *const self = (struct relay *)(void *)party;
+    csp_progress progress;
     switch (party->state) {
     case 0:
         for (;;) {
-            CSP_COMMUNICATE(csp_channel_write, self->output, self->value, WRITES, failed)
-            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS, failed)
+            if (csp_refused(csp, party)) {
+                goto failed;
+            }
+            CSP_AWAIT(csp_channel_write(csp, party, self->output, &self->value, sizeof(self->value)), CSP_DONE, WRITES, failed)
+            if (csp_refused(csp, party)) {
+                goto failed;
+            }
+            CSP_AWAIT(csp_channel_read(csp, party, self->input, &self->value, sizeof(self->value)), CSP_DONE, READS, failed)
         }
     case FAILS:
     failed:
@@ -103,12 +110,22 @@ static csp_party *prefix_step(csp_kernel *csp, csp_party *party)
 static csp_party *delta_step(csp_kernel *csp, csp_party *party)
 {
     struct delta *const self = (struct delta *)(void *)party;
+    csp_progress progress;
     switch (party->state) {
     case 0:
         for (;;) {
-            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS, failed)
-            CSP_COMMUNICATE(csp_channel_write, self->first, self->value, WRITES, failed)
-            CSP_COMMUNICATE(csp_channel_write, self->second, self->value, WRITES_SECOND, failed)
+            if (csp_refused(csp, party)) {
+                goto failed;
+            }
+            CSP_AWAIT(csp_channel_read(csp, party, self->input, &self->value, sizeof(self->value)), CSP_DONE, READS, failed)
+            if (csp_refused(csp, party)) {
+                goto failed;
+            }
+            CSP_AWAIT(csp_channel_write(csp, party, self->first, &self->value, sizeof(self->value)), CSP_DONE, WRITES, failed)
+            if (csp_refused(csp, party)) {
+                goto failed;
+            }
+            CSP_AWAIT(csp_channel_write(csp, party, self->second, &self->value, sizeof(self->value)), CSP_DONE, WRITES_SECOND, failed)
         }
     case FAILS:
     failed:
@@ -122,12 +139,19 @@ static csp_party *delta_step(csp_kernel *csp, csp_party *party)
 static csp_party *relay_step(csp_kernel *csp, csp_party *party)
 {
     struct relay *const self = (struct relay *)(void *)party;
+    csp_progress progress;
     switch (party->state) {
     case 0:
         for (;;) {
-            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS, failed)
+            if (csp_refused(csp, party)) {
+                goto failed;
+            }
+            CSP_AWAIT(csp_channel_read(csp, party, self->input, &self->value, sizeof(self->value)), CSP_DONE, READS, failed)
             self->value++;
-            CSP_COMMUNICATE(csp_channel_write, self->output, self->value, WRITES, failed)
+            if (csp_refused(csp, party)) {
+                goto failed;
+            }
+            CSP_AWAIT(csp_channel_write(csp, party, self->output, &self->value, sizeof(self->value)), CSP_DONE, WRITES, failed)
         }
     case FAILS:
     failed:
@@ -141,15 +165,22 @@ static csp_party *relay_step(csp_kernel *csp, csp_party *party)
 static csp_party *consumer_step(csp_kernel *csp, csp_party *party)
 {
     struct consumer *const self = (struct consumer *)(void *)party;
+    csp_progress progress;
     switch (party->state) {
     case 0:
         for (self->sample = 0; self->sample < SAMPLES; self->sample++) {
             sample_begins();
             for (self->count = 0; self->count < self->rounds; self->count++) {
                 if (self->output != NULL) {
-                    CSP_COMMUNICATE(csp_channel_write, self->output, self->value, WRITES, failed)
+                    if (csp_refused(csp, party)) {
+                        goto failed;
+                    }
+                    CSP_AWAIT(csp_channel_write(csp, party, self->output, &self->value, sizeof(self->value)), CSP_DONE, WRITES, failed)
                 }
-                CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS, failed)
+                if (csp_refused(csp, party)) {
+                    goto failed;
+                }
+                CSP_AWAIT(csp_channel_read(csp, party, self->input, &self->value, sizeof(self->value)), CSP_DONE, READS, failed)
             }
             sample_ends((double)self->rounds * self->operations);
         }
@@ -188,10 +219,14 @@ struct chooser {
 static csp_party *writer_step(csp_kernel *csp, csp_party *party)
 {
     struct writer *const self = (struct writer *)(void *)party;
+    csp_progress progress;
     switch (party->state) {
     case 0:
         for (;;) {
-            CSP_COMMUNICATE(csp_guarded_write, self->output, self->value, WRITES, failed)
+            if (csp_refused(csp, party)) {
+                goto failed;
+            }
+            CSP_AWAIT(csp_guarded_write(csp, party, self->output, &self->value, sizeof(self->value)), CSP_DONE, WRITES, failed)
         }
     case FAILS:
     failed:

@@ -42,34 +42,27 @@ static inline void csp_fault_in(csp_kernel *csp, const char *place)
     }
 }
 
-/* After a fault, returns false from a function that returns whether it succeeded. */
-#define CSP_CHECK_LAW(where)            \
-    do {                                \
-        if (csp_faulted(csp)) {            \
-            return csp_fault_at(csp, where); \
-        }                               \
-    } while (0)
+/* The same, and whether there was a fault. */
+static inline bool csp_faulted_at(csp_kernel *csp, const char *place)
+{
+    return csp_faulted(csp) && !csp_fault_at(csp, place);
+}
 
-/* In the step function of a process: raises a fault at `where`, and jumps to FAILED, where the process handles failures. */
-#define CSP_FAULT(where, FAILED)               \
-    do {                                       \
-        if (csp_faulted(csp)) {                   \
-            (void)csp_fault_at(csp, where);         \
-            (void)csp_raise_fault(csp, party);      \
-            goto FAILED;                       \
-        }                                      \
-    } while (0)
+/* Raises the fault that was noted, in a part of the process with a name of its own: a control law, or a process that was flattened into it; NULL: none.
+ * Always true. */
+bool csp_raise_noted_fault(csp_kernel *csp, csp_party *party, const char *part, const char *place);
 
-/* The same in a part of the process with a name of its own: a control law, or a process that was flattened into it. */
-#define CSP_FAULT_INSIDE(part, where, FAILED)  \
-    do {                                       \
-        if (csp_faulted(csp)) {                   \
-            csp->fault.law = (part);            \
-            (void)csp_fault_at(csp, where);         \
-            (void)csp_raise_fault(csp, party);      \
-            goto FAILED;                       \
-        }                                      \
-    } while (0)
+/* Whether a fault was noted; then it is raised, and the process has to continue where it handles failures. */
+static inline bool csp_raised(csp_kernel *csp, csp_party *party, const char *place)
+{
+    return csp_faulted(csp) && csp_raise_noted_fault(csp, party, NULL, place);
+}
+
+/* The same in a part of the process. */
+static inline bool csp_raised_in(csp_kernel *csp, csp_party *party, const char *part, const char *place)
+{
+    return csp_faulted(csp) && csp_raise_noted_fault(csp, party, part, place);
+}
 
 /* ---- Integers of 64 bits ---- */
 

@@ -6,7 +6,7 @@
 #include "csp_core.h"
 
 /* For all operations: `party` is that of the process or of the csp_offer; the result is CSP_DONE or CSP_WAITS. A process first checks
- * csp_is_cancelled (the macro CSP_COMMUNICATE does), and after CSP_WAITS the operation is complete when it runs again. `value` is the variable
+ * csp_refused, and after CSP_WAITS the operation is complete when it runs again. `value` is the variable
  * to read into or to write from; it must exist as long as the process waits. */
 
 /* ---- Rendezvous: `sync` channels with guards of the reader only ---- */

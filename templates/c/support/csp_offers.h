@@ -31,17 +31,13 @@ void csp_offers_init(csp_offers *offers, csp_offer *offer, uint32_t capacity);
 /* Begins the offers; CSP_FAILS if the process was cancelled. */
 csp_progress csp_offers_begin(csp_kernel *csp, csp_party *party, csp_offers *offers);
 
-/* Adds a communication; `operation` is the read or write function of the channel or end, PLACE is that of the CSP_AWAIT that follows:
- * CSP_AWAIT(csp_offers_wait(offers), csp_offers_again(party, offers), PLACE, FAILED) */
-#define CSP_OFFER(offers, operation, channel, variable, PLACE, FAILED)                                                 \
-    if (csp_offer_made(csp, (offers), CSP_MEDIUM(channel), sizeof(variable),                                                \
-                       csp_offer_refused(csp, (offers), CSP_MEDIUM(channel))                                                \
-                           ? CSP_FAILS                                                                                 \
-                           : operation(csp, csp_offer_next(offers), (channel), &(variable), sizeof(variable))) ==           \
-        CSP_FAILS) {                                                                                                   \
-        party->state = (uint16_t)(PLACE);                                                                              \
-        goto FAILED;                                                                                                   \
-    }
+/* Adds a communication; `operation` is the read or write function of the channel or end. If the result is CSP_FAILS, the process continues in the failed state of
+ * the place of CSP_AWAIT(csp_offers_wait(offers), csp_offers_again(party, offers), PLACE, FAILED), which follows. */
+#define CSP_OFFER(offers, operation, channel, variable)                                                                \
+    csp_offer_made(csp, (offers), CSP_MEDIUM(channel), sizeof(variable),                                               \
+                   csp_offer_refused(csp, (offers), CSP_MEDIUM(channel))                                               \
+                       ? CSP_FAILS                                                                                     \
+                       : operation(csp, csp_offer_next(offers), (channel), &(variable), sizeof(variable)))
 
 /* Whether an earlier offer has caused the cancellation of the process, and this one would find a partner; then the process ends here. */
 bool csp_offer_meets(csp_kernel *csp, csp_offers *offers, const csp_medium *medium);

@@ -4,10 +4,14 @@
 
 #include "csp_core.h"
 
-/* The body of a step function is a `switch (party->state)` that begins with `case 0:`. These macros contain its other cases.
+/* Waits for an operation, in the step function of a process.
  *
- * `first` begins an operation and `again` continues it each time the process runs again at PLACE; both are of type csp_progress.
- * The function has a variable `csp_progress progress`. FAILED is a label. */
+ * A step function is a `switch (party->state)` that begins with `case 0:`. `first` begins the operation, and `again` continues it each time the process runs
+ * again at PLACE; both are of type csp_progress, for which the function has a variable `progress`. If the operation fails, the process continues at the label
+ * FAILED.
+ *
+ * This macro hides `return`, `case` and `goto`, and it is the only one: what it says at each wait is always the same eleven lines, which have to agree with
+ * each other in three places. */
 #define CSP_AWAIT(first, again, PLACE, FAILED)                                                                         \
     progress = (first);                                                                                                \
     while (progress == CSP_WAITS) {                                                                                    \
@@ -21,35 +25,16 @@
         goto FAILED;                                                                                                   \
     }
 
-/* One communication, which is complete when the process runs again. `operation` reads or writes: csp_channel_read, csp_any_write... */
-#define CSP_COMMUNICATE(operation, channel, variable, PLACE, FAILED)                                                   \
-    if (csp_is_cancelled(party)) {                                                                                     \
-        (void)csp_refuse(csp, party);                                                                                       \
-        goto FAILED;                                                                                                   \
-    }                                                                                                                  \
-    if (operation(csp, party, (channel), &(variable), sizeof(variable)) == CSP_WAITS) {                                     \
-        party->state = (uint16_t)(PLACE);                                                                              \
-        return NULL;                                                                                                   \
-    case PLACE:;                                                                                                       \
+/* Whether the process was cancelled; then `csp->error` is set. To be called before communications of channels, and before those that never wait: outputs
+ * to the outside, variables that are ports of control laws. */
+static inline bool csp_refused(csp_kernel *csp, const csp_party *party)
+{
+    if (csp_is_cancelled(party)) {
+        (void)csp_refuse(csp, party);
+        return true;
     }
-
-/* Reads an input from outside: `operation` is csp_sampled_read or csp_event_read, which ..._again continues. */
-#define CSP_TAKE(operation, end, variable, PLACE, FAILED)                                                              \
-    CSP_AWAIT(operation(csp, party, (end), &(variable), sizeof(variable)),                                                  \
-              operation##_again(csp, party, (end), &(variable), sizeof(variable)), PLACE, FAILED)
-
-/* Runs another process in sequence. When that has ended, the process continues here, or in the failed state of PLACE. */
-#define CSP_CALL(callee, PLACE)                                                                                        \
-    party->state = (uint16_t)(PLACE);                                                                                  \
-    return csp_call(party, (callee));                                                                                  \
-    case PLACE:;
-
-/* The check for cancellation at communications that never wait: outputs to the outside, variables that are ports of control laws. */
-#define CSP_CHECK(FAILED)                                                                                              \
-    if (csp_is_cancelled(party)) {                                                                                     \
-        (void)csp_refuse(csp, party);                                                                                       \
-        goto FAILED;                                                                                                   \
-    }
+    return false;
+}
 
 /* The next free numbers, while a program is built. */
 typedef struct csp_numbers {
@@ -70,7 +55,8 @@ void csp_require_written(csp_kernel *csp, const csp_written *written);
 /* To be called before the program starts. */
 void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number);
 
-/* Begins `callee` in sequence, in the task of `party`. Return the result to the scheduler. */
+/* Begins `callee` in sequence, in the task of `party`. Return the result to the scheduler; when `callee` has ended, the process continues at `party->state`,
+ * or in the failed state of that place. */
 csp_party *csp_call(csp_party *party, csp_process *callee);
 
 /* End the process: normally, or with the failure in `csp->error`. Return the result to the scheduler. */

@@ -126,7 +126,7 @@ def test_a_label_is_followed_by_a_statement(following: list[Statement], label: s
 def test_questions_are_answered_by_the_tree() -> None:
     inside = choose(SAME, [goto("fails")])
     assert jumps_to("fails", inside)
-    assert jumps_to("fails", [run(call("CSP_CHECK", "fails"), "")])
+    assert jumps_to("fails", [run(call("CSP_AWAIT", "first", "again", "PLACE", "fails"), "")])
     assert not jumps_to("fail", inside)
     assert mentions_self(choose(LESS, [store(own("x"), a)]))
     assert not mentions_self([store("self->x", a)])

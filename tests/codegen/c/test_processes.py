@@ -159,7 +159,7 @@ def test_branches_in_sequence_share_code_beside_others() -> None:
     network = network_of(PROGRAMS / "branches_in_runs.csp")
     server = pipeline.generate(network, read_source, "c", 1)["server.c"]
     assert "self->number_of_choice_2_from_3 = (int64_t)self->choice_2.alternative.chosen;" in server
-    assert 20 < server.count("CSP_COMMUNICATE(csp_channel_write,") < 30  # 17 have bodies of their own
+    assert 20 < server.count("CSP_AWAIT(csp_channel_write(") < 30  # 17 have bodies of their own
 
 
 def test_ports_that_count_are_attached_in_loops() -> None:

@@ -8,14 +8,14 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.text.code import OR, SUM, Code, address, call, cast, code, infix, negated
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
-from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, run, store
+from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, return_if, run, store
 from cspdiag.codegen.shared.equations import Equation
 from cspdiag.model.types import RealType, is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression, FunctionCall
 
-Check = Callable[[str], list[Plain]]
+Check = Callable[[str], list[Statement]]
 """From the place of a statement to the statements that check for a fault after it."""
 
 
@@ -119,7 +119,12 @@ def set_to(target: Target, value: Code, remark: str | None = None) -> Plain:
     return store(target, value, remark)
 
 
-def record_fault_place(place: str) -> list[Plain]:
+def end_if_faulted(place: str) -> list[Statement]:
+    """The check for a fault in a function that returns whether it succeeded."""
+    return [return_if(call("csp_faulted_at", quoted(place)), "false")]
+
+
+def record_fault_place(place: str) -> list[Statement]:
     """The statement that records the place of a fault, for functions that do not return whether they failed: their
     callers check.
     """

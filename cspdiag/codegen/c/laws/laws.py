@@ -8,18 +8,16 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, record_fault_place
+from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, end_if_faulted, record_fault_place
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
 from cspdiag.codegen.c.text.code import CSP, PRODUCT, Code, address, call, cast, code, ignored, infix, own
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.kernel import KERNEL
-from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames, snake_case
 from cspdiag.codegen.c.text.statements import (
     Block,
     Function,
-    Plain,
     Remark,
     Statement,
     define,
@@ -246,9 +244,7 @@ class LawFiles:
         return Printer(self.types, parameter=lvalue, signal=lvalue, seconds=seconds)
 
     def _writer(self, printer: Printer, *, checked: bool = True) -> EquationWriter:
-        def check(place: str) -> list[Plain]:
-            return [run(call("CSP_CHECK_LAW", quoted(place)))] if checked else record_fault_place(place)
-
+        check = end_if_faulted if checked else record_fault_place
         return EquationWriter(printer, self._place, check, lambda name: own(self.members[name]), body_name)
 
     def _source(self) -> str:

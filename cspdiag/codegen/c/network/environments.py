@@ -11,6 +11,7 @@ from cspdiag.codegen.c.laws.equations import (
     LocalVariable,
     Target,
     check_finite_together,
+    end_if_faulted,
     record_fault_place,
 )
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
@@ -37,13 +38,11 @@ from cspdiag.codegen.c.text.code import (
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.kernel import KERNEL
-from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames
 from cspdiag.codegen.c.text.statements import (
     Blank,
     Block,
     Function,
-    Plain,
     Remark,
     Statement,
     choose,
@@ -214,10 +213,7 @@ class EnvironmentFiles:
 
     def _writer(self, printer: Printer, *, at: bool = False) -> EquationWriter:
         """``at``: for a function that does not return whether it failed; its caller checks."""
-
-        def check(place: str) -> list[Plain]:
-            return record_fault_place(place) if at else [run(call("CSP_CHECK_LAW", quoted(place)))]
-
+        check = record_fault_place if at else end_if_faulted
         return EquationWriter(printer, self._place, check, lambda name: own(self._members[name]), body_name)
 
     # ---- What happens

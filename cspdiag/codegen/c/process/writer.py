@@ -12,7 +12,7 @@ from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.routines import Handler, Routine, Waiting, WaitingState
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.port_layout import TAKEN
-from cspdiag.codegen.c.text.code import Code, address, call, code, mentions_kernel, own, unsigned
+from cspdiag.codegen.c.text.code import Code, address, call, cast, code, mentions_kernel, own, unsigned
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
@@ -22,13 +22,16 @@ from cspdiag.codegen.c.text.rolling import VARIABLE
 from cspdiag.codegen.c.text.statements import (
     For,
     Function,
+    If,
     Label,
     Plain,
     Remark,
+    State,
     Statement,
     Wait,
     define,
     goto,
+    goto_if,
     in_block,
     jumps_to,
     return_value,
@@ -208,6 +211,12 @@ class Writer:
         self.current.progress = True
         return Wait(call("CSP_AWAIT", first, again, state, self.failure_label()))
 
+    @staticmethod
+    def call_process(process: Code, state: str) -> list[Statement]:
+        """Runs another process in sequence; the process continues in ``state`` when that has ended."""
+        ran = return_value(call("csp_call", "party", address(process)))
+        return [store("party->state", cast("uint16_t", code(state))), ran, State(state)]
+
     # Members
 
     def add_function(self, function: Sequence[Statement]) -> None:
@@ -309,11 +318,11 @@ class Writer:
         flag = self.members.written(variable)
         return [] if flag is None else [store(flag.field("done"), "true")]
 
-    def raise_noted_fault(self, where: str) -> Plain:
+    def raise_noted_fault(self, where: str) -> If:
         """The statement that raises the fault that has been noted, if there is one."""
         if self.inner is None:
-            return run(call("CSP_FAULT", quoted(where), self.failure_label()))
-        return run(call("CSP_FAULT_INSIDE", quoted(self.inner), quoted(where), self.failure_label()))
+            return goto_if(call("csp_raised", "party", quoted(where)), self.failure_label())
+        return goto_if(call("csp_raised_in", "party", quoted(self.inner), quoted(where)), self.failure_label())
 
     def condition(self, expression: Expression, step: Step, *, opposite: bool = False) -> tuple[list[Statement], Code]:
         """The statements that a condition needs before it, and the condition, or its ``opposite``."""

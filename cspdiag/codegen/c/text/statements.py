@@ -50,7 +50,7 @@ class Plain:
 
 @record
 class Wait:
-    """A macro of the kernel in which the process can wait: it contains a ``case`` of the step function."""
+    """The macro of the kernel in which the process can wait: it contains a ``case`` of the step function."""
 
     code: Code
 
@@ -199,6 +199,16 @@ class Return(Code):
         return ("return ", self.value.document)
 
 
+def return_if(condition: Code, value: Code | str) -> If:
+    """``if (condition) return value;``."""
+    return If(condition, (return_value(value),))
+
+
+def goto_if(condition: Code, label: str) -> If:
+    """``if (condition) goto label;``."""
+    return If(condition, (goto(label),))
+
+
 def choose(condition: Code, then: Sequence[Statement], otherwise: Sequence[Statement] = ()) -> list[Statement]:
     """A conditional statement without empty branches; the comments of branches that do nothing are put before it."""
     if has_effect(then):
@@ -263,7 +273,7 @@ def _lines(statement: Statement, depth: int, items: Sequence[Statement], followi
         case Label(name=name):
             yield f"{INDENT * (depth - 1)}{name}:{'' if _is_labelled(items, following) else ';'}"
         case State(name=name):
-            yield f"{INDENT * (depth - 1)}case {name}:"
+            yield f"{INDENT * (depth - 1)}case {name}:{'' if _is_labelled(items, following) else ';'}"
         case Plain():
             yield from _plain(statement, depth)
         case Wait(code=item):

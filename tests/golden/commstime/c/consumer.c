@@ -12,13 +12,18 @@ enum {
 static csp_party *consumer_step(csp_kernel *csp, csp_party *party)
 {
     struct consumer *const self = CSP_ENCLOSING(party, struct consumer, process);
+    csp_progress progress;
 
     switch (party->state) {
     case 0:
         csp_observe_begin(csp, party->number);
         do {
             /* input ? value (commstime.csp:55) */
-            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
+            CSP_AWAIT(csp_channel_read(csp, party, self->input, &self->value, sizeof(self->value)),
+                CSP_DONE, READS_INPUT, fails)
         } while (self->value != self->rounds - 1);
         /* raise Finished (commstime.csp:55) */
         (void)csp_raise(csp, party, EXCEPTION_FINISHED, "commstime.csp:55");

@@ -14,17 +14,31 @@ enum {
 static csp_party *delta_step(csp_kernel *csp, csp_party *party)
 {
     struct delta *const self = CSP_ENCLOSING(party, struct delta, process);
+    csp_progress progress;
 
     switch (party->state) {
     case 0:
         csp_observe_begin(csp, party->number);
         for (;;) {
             /* input ? value (commstime.csp:28) */
-            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
+            CSP_AWAIT(csp_channel_read(csp, party, self->input, &self->value, sizeof(self->value)),
+                CSP_DONE, READS_INPUT, fails)
             /* first ! value (commstime.csp:28) */
-            CSP_COMMUNICATE(csp_channel_write, self->first, self->value, WRITES_FIRST, fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
+            CSP_AWAIT(csp_channel_write(csp, party, self->first, &self->value, sizeof(self->value)),
+                CSP_DONE, WRITES_FIRST, fails)
             /* second ! value (commstime.csp:28) */
-            CSP_COMMUNICATE(csp_channel_write, self->second, self->value, WRITES_SECOND, fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
+            CSP_AWAIT(
+                csp_channel_write(csp, party, self->second, &self->value, sizeof(self->value)),
+                CSP_DONE, WRITES_SECOND, fails)
         }
     case FAILS:
     fails:

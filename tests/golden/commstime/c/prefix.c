@@ -13,15 +13,25 @@ enum {
 static csp_party *prefix_step(csp_kernel *csp, csp_party *party)
 {
     struct prefix *const self = CSP_ENCLOSING(party, struct prefix, process);
+    csp_progress progress;
 
     switch (party->state) {
     case 0:
         csp_observe_begin(csp, party->number);
         for (;;) {
             /* output ! value (commstime.csp:14) */
-            CSP_COMMUNICATE(csp_channel_write, self->output, self->value, WRITES_OUTPUT, fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
+            CSP_AWAIT(
+                csp_channel_write(csp, party, self->output, &self->value, sizeof(self->value)),
+                CSP_DONE, WRITES_OUTPUT, fails)
             /* input ? value (commstime.csp:14) */
-            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
+            CSP_AWAIT(csp_channel_read(csp, party, self->input, &self->value, sizeof(self->value)),
+                CSP_DONE, READS_INPUT, fails)
         }
     case FAILS:
     fails:

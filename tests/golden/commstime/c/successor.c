@@ -13,18 +13,29 @@ enum {
 static csp_party *successor_step(csp_kernel *csp, csp_party *party)
 {
     struct successor *const self = CSP_ENCLOSING(party, struct successor, process);
+    csp_progress progress;
 
     switch (party->state) {
     case 0:
         csp_observe_begin(csp, party->number);
         for (;;) {
             /* input ? value (commstime.csp:42) */
-            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
+            CSP_AWAIT(csp_channel_read(csp, party, self->input, &self->value, sizeof(self->value)),
+                CSP_DONE, READS_INPUT, fails)
             /* output ! value + 1 (commstime.csp:42) */
             self->sent.output = csp_add(csp, self->value, 1);
-            CSP_FAULT("commstime.csp:42", fails);
-            CSP_COMMUNICATE(csp_channel_write, self->output, self->sent.output, WRITES_OUTPUT,
-                fails)
+            if (csp_raised(csp, party, "commstime.csp:42")) {
+                goto fails;
+            }
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
+            CSP_AWAIT(csp_channel_write(csp, party, self->output, &self->sent.output,
+                    sizeof(self->sent.output)),
+                CSP_DONE, WRITES_OUTPUT, fails)
         }
     case FAILS:
     fails:

@@ -22,13 +22,22 @@ static csp_party *spindle_repeat_law_step(csp_kernel *csp, csp_party *party)
     case 0:
         for (;;) {
             /* law (emergency.csp:36) */
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->law.feedback,
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback, &self->law.feedback,
+                    sizeof(self->law.feedback)),
+                csp_sampled_read_again(csp, party, &self->feedback, &self->law.feedback,
+                    sizeof(self->law.feedback)),
                 REPEAT_LAW_READS_FEEDBACK, fails)
             (void)spindle_controller_calculate(csp, &self->law);
-            CSP_FAULT_INSIDE("law", "emergency.csp:8", fails);
-            CSP_CHECK(fails)
+            if (csp_raised_in(csp, party, "law", "emergency.csp:8")) {
+                goto fails;
+            }
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
             csp_finite(csp, self->law.control, self->control->name);
-            CSP_FAULT_INSIDE("law", "emergency.csp:8", fails);
+            if (csp_raised_in(csp, party, "law", "emergency.csp:8")) {
+                goto fails;
+            }
             (void)csp_latched_write(party, self->control, &self->law.control,
                 sizeof(self->law.control));
         }
@@ -75,11 +84,15 @@ static csp_party *spindle_step(csp_kernel *csp, csp_party *party)
         csp_observe_begin(csp, party->number);
         do {
             /* panel ? button (emergency.csp:34) */
-            CSP_TAKE(csp_event_read, self->panel, self->button, READS_PANEL, fails)
+            CSP_AWAIT(csp_event_read(csp, party, self->panel, &self->button, sizeof(self->button)),
+                csp_event_read_again(csp, party, self->panel, &self->button, sizeof(self->button)),
+                READS_PANEL, fails)
         } while (self->button != EMERGENCY_BUTTON_START);
         /* brake ! false (emergency.csp:35) */
         self->sent.brake = false;
-        CSP_CHECK(fails)
+        if (csp_refused(csp, party)) {
+            goto fails;
+        }
         (void)csp_latched_write(party, self->brake, &self->sent.brake, sizeof(self->sent.brake));
         /* (mu law) interrupt panel ? button -> (control ! 0<V> ; br... (emergency.csp:36) */
         csp_interrupt_prepare(&self->interrupt_repeat_law);
@@ -92,22 +105,32 @@ static csp_party *spindle_step(csp_kernel *csp, csp_party *party)
             /* panel ? button (emergency.csp:36) */
             /* control ! 0<V> (emergency.csp:36) */
             self->sent.control = 0.0;
-            CSP_CHECK(fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
             (void)csp_latched_write(party, self->control, &self->sent.control,
                 sizeof(self->sent.control));
             /* brake ! true (emergency.csp:36) */
             self->sent.brake = true;
-            CSP_CHECK(fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
             (void)csp_latched_write(party, self->brake, &self->sent.brake,
                 sizeof(self->sent.brake));
         }
         do {
             /* feedback ? speed (emergency.csp:37) */
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->speed, READS_FEEDBACK, fails)
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback, &self->speed,
+                    sizeof(self->speed)),
+                csp_sampled_read_again(csp, party, &self->feedback, &self->speed,
+                    sizeof(self->speed)),
+                READS_FEEDBACK, fails)
         } while (!(self->speed < 1.0));
         /* halted ! true (emergency.csp:38) */
         self->sent.halted = true;
-        CSP_CHECK(fails)
+        if (csp_refused(csp, party)) {
+            goto fails;
+        }
         (void)csp_direct_write(csp, party, self->halted, &self->sent.halted,
             sizeof(self->sent.halted));
         csp_ends_close(&self->samples);

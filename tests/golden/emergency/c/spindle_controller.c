@@ -20,6 +20,8 @@ bool spindle_controller_calculate(csp_kernel *csp, struct spindle_controller *se
     /* emergency.csp:12 */
     self->control = csp_real(csp,
         csp_limit(0.05 * self->feedback + 0.5 * (self->speed - self->feedback), -24.0, 24.0));
-    CSP_CHECK_LAW("emergency.csp:12");
+    if (csp_faulted_at(csp, "emergency.csp:12")) {
+        return false;
+    }
     return true;
 }

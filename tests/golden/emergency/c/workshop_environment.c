@@ -87,7 +87,9 @@ static bool workshop_environment_advance(csp_kernel *csp, void *state, int64_t n
     wheel_w += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
     if (csp_faulted(csp) || !csp_is_finite(wheel_w)) {
         csp_finite_at(csp, wheel_w, "emergency.csp:51");
-        CSP_CHECK_LAW("emergency.csp:51");
+        if (csp_faulted_at(csp, "emergency.csp:51")) {
+            return false;
+        }
     }
     self->wheel_w = wheel_w;
     self->now = now;

@@ -34,12 +34,16 @@ static bool joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joi
         ? csp_divide(csp, self->alignL_velocity_feedback - self->alignL_velocity_last,
             self->alignL_velocity_sample)
         : 0.0;
-    CSP_CHECK_LAW("laws.csp:103");
+    if (csp_faulted_at(csp, "laws.csp:103")) {
+        return false;
+    }
     /* laws.csp:104 */
     const double velocity = self->alignL_velocity_filtered
         + csp_divide(csp, self->alignL_velocity_sample, 0.02 + self->alignL_velocity_sample)
             * (difference - self->alignL_velocity_filtered);
-    CSP_CHECK_LAW("laws.csp:104");
+    if (csp_faulted_at(csp, "laws.csp:104")) {
+        return false;
+    }
     const double error = -1.0 - velocity; /* laws.csp:105 */
     /* laws.csp:106 */
     const double i = self->alignL_velocity_ui + self->alignL_velocity_sample * 2.2 * error;
@@ -61,7 +65,9 @@ static bool joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joi
         csp_finite_at(csp, filtered_next, "laws.csp:112");
         csp_finite_at(csp, ui_next, "laws.csp:113");
         csp_finite_at(csp, pressed_next, "laws.csp:117");
-        CSP_CHECK_LAW("laws.csp:117");
+        if (csp_faulted_at(csp, "laws.csp:117")) {
+            return false;
+        }
     }
     self->alignL_velocity_moving = true; /* laws.csp:110 */
     self->alignL_velocity_last = self->alignL_velocity_feedback; /* laws.csp:111 */
@@ -83,12 +89,16 @@ static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joi
         ? csp_divide(csp, self->alignR_velocity_feedback - self->alignR_velocity_last,
             self->alignR_velocity_sample)
         : 0.0;
-    CSP_CHECK_LAW("laws.csp:103");
+    if (csp_faulted_at(csp, "laws.csp:103")) {
+        return false;
+    }
     /* laws.csp:104 */
     const double velocity = self->alignR_velocity_filtered
         + csp_divide(csp, self->alignR_velocity_sample, 0.02 + self->alignR_velocity_sample)
             * (difference - self->alignR_velocity_filtered);
-    CSP_CHECK_LAW("laws.csp:104");
+    if (csp_faulted_at(csp, "laws.csp:104")) {
+        return false;
+    }
     const double error = 1.0 - velocity; /* laws.csp:105 */
     /* laws.csp:106 */
     const double i = self->alignR_velocity_ui + self->alignR_velocity_sample * 2.2 * error;
@@ -110,7 +120,9 @@ static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joi
         csp_finite_at(csp, filtered_next, "laws.csp:112");
         csp_finite_at(csp, ui_next, "laws.csp:113");
         csp_finite_at(csp, pressed_next, "laws.csp:117");
-        CSP_CHECK_LAW("laws.csp:117");
+        if (csp_faulted_at(csp, "laws.csp:117")) {
+            return false;
+        }
     }
     self->alignR_velocity_moving = true; /* laws.csp:110 */
     self->alignR_velocity_last = self->alignR_velocity_feedback; /* laws.csp:111 */
@@ -135,7 +147,9 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
     self->motionControl_servo_reference = csp_real(csp,
         csp_limit(centre + 1.25 * self->motionControl_servo_setpoint,
             self->motionControl_servo_leftmax + 0.05, self->motionControl_servo_rightmax - 0.05));
-    CSP_CHECK_LAW("laws.csp:72");
+    if (csp_faulted_at(csp, "laws.csp:72")) {
+        return false;
+    }
     /* laws.csp:35 */
     const double profile_from = self->motionControl_servo_profile_moving
         ? self->motionControl_servo_profile_last
@@ -157,7 +171,9 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
     const double pid_i = self->motionControl_servo_pid_ui
         + csp_divide(csp, self->motionControl_servo_sample * pid_d,
             self->motionControl_servo_pid_tauI);
-    CSP_CHECK_LAW("laws.csp:16");
+    if (csp_faulted_at(csp, "laws.csp:16")) {
+        return false;
+    }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
     /* laws.csp:77 */
@@ -190,7 +206,9 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
         csp_finite_at(csp, pid_ud_next, "laws.csp:21");
         csp_finite_at(csp, pid_ui_next, "laws.csp:22");
         csp_finite_at(csp, arrived_next, "laws.csp:81");
-        CSP_CHECK_LAW("laws.csp:81");
+        if (csp_faulted_at(csp, "laws.csp:81")) {
+            return false;
+        }
     }
     self->motionControl_servo_profile_moving = true; /* laws.csp:38 */
     self->motionControl_servo_profile_last = profile_last_next; /* laws.csp:39 */
@@ -214,7 +232,9 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
     self->homing_servo_reference = csp_real(csp,
         csp_limit(centre + 0.0, self->homing_servo_leftmax + 0.05,
             self->homing_servo_rightmax - 0.05));
-    CSP_CHECK_LAW("laws.csp:72");
+    if (csp_faulted_at(csp, "laws.csp:72")) {
+        return false;
+    }
     /* laws.csp:35 */
     const double profile_from = self->homing_servo_profile_moving
         ? self->homing_servo_profile_last
@@ -234,7 +254,9 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
     /* laws.csp:16 */
     const double pid_i = self->homing_servo_pid_ui
         + csp_divide(csp, self->homing_servo_sample * pid_d, self->homing_servo_pid_tauI);
-    CSP_CHECK_LAW("laws.csp:16");
+    if (csp_faulted_at(csp, "laws.csp:16")) {
+        return false;
+    }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
     /* laws.csp:77 */
@@ -267,7 +289,9 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
         csp_finite_at(csp, pid_ud_next, "laws.csp:21");
         csp_finite_at(csp, pid_ui_next, "laws.csp:22");
         csp_finite_at(csp, arrived_next, "laws.csp:81");
-        CSP_CHECK_LAW("laws.csp:81");
+        if (csp_faulted_at(csp, "laws.csp:81")) {
+            return false;
+        }
     }
     self->homing_servo_profile_moving = true; /* laws.csp:38 */
     self->homing_servo_profile_last = profile_last_next; /* laws.csp:39 */
@@ -289,20 +313,33 @@ static csp_party *joint_control_homing_run_servo_step(csp_kernel *csp, csp_party
         do {
             /* PositionController (laws.csp:56) */
             csp_require_written(csp, &self->leftmax_written);
-            CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
+            if (csp_raised_in(csp, party, "homing.servo", "laws.csp:56")) {
+                goto fails;
+            }
             self->homing_servo_leftmax = self->leftmax;
             csp_require_written(csp, &self->rightmax_written);
-            CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
+            if (csp_raised_in(csp, party, "homing.servo", "laws.csp:56")) {
+                goto fails;
+            }
             self->homing_servo_rightmax = self->rightmax;
-            CSP_TAKE(csp_sampled_read, &self->feedback_4, self->homing_servo_feedback,
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback_4, &self->homing_servo_feedback,
+                    sizeof(self->homing_servo_feedback)),
+                csp_sampled_read_again(csp, party, &self->feedback_4, &self->homing_servo_feedback,
+                    sizeof(self->homing_servo_feedback)),
                 HOMING_RUN_SERVO_READS_FEEDBACK, fails)
             /* homing.servo (jiwy.csp:97) */
             (void)joint_control_homing_servo_calculate(csp, self);
-            CSP_FAULT_INSIDE("homing.servo", "jiwy.csp:97", fails);
+            if (csp_raised_in(csp, party, "homing.servo", "jiwy.csp:97")) {
+                goto fails;
+            }
             /* PositionController (laws.csp:56) */
-            CSP_CHECK(fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
             csp_finite(csp, self->homing_servo_control, self->control->name);
-            CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
+            if (csp_raised_in(csp, party, "homing.servo", "laws.csp:56")) {
+                goto fails;
+            }
             (void)csp_latched_write(party, self->control, &self->homing_servo_control,
                 sizeof(self->homing_servo_control));
             self->homing_reference = self->homing_servo_reference;
@@ -352,15 +389,24 @@ static csp_party *joint_control_align_r_run_velocity_step(csp_kernel *csp, csp_p
     case 0:
         do {
             /* VelocityController (laws.csp:88) */
-            CSP_TAKE(csp_sampled_read, &self->feedback_2, self->alignR_velocity_feedback,
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback_2,
+                    &self->alignR_velocity_feedback, sizeof(self->alignR_velocity_feedback)),
+                csp_sampled_read_again(csp, party, &self->feedback_2,
+                    &self->alignR_velocity_feedback, sizeof(self->alignR_velocity_feedback)),
                 ALIGN_R_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignR.velocity (jiwy.csp:39) */
             (void)joint_control_align_r_velocity_calculate(csp, self);
-            CSP_FAULT_INSIDE("alignR.velocity", "jiwy.csp:39", fails);
+            if (csp_raised_in(csp, party, "alignR.velocity", "jiwy.csp:39")) {
+                goto fails;
+            }
             /* VelocityController (laws.csp:88) */
-            CSP_CHECK(fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
             csp_finite(csp, self->alignR_velocity_control, self->control->name);
-            CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:88", fails);
+            if (csp_raised_in(csp, party, "alignR.velocity", "laws.csp:88")) {
+                goto fails;
+            }
             (void)csp_latched_write(party, self->control, &self->alignR_velocity_control,
                 sizeof(self->alignR_velocity_control));
             self->rightmax = self->alignR_velocity_feedback;
@@ -411,15 +457,24 @@ static csp_party *joint_control_align_l_run_velocity_step(csp_kernel *csp, csp_p
     case 0:
         do {
             /* VelocityController (laws.csp:88) */
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->alignL_velocity_feedback,
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback, &self->alignL_velocity_feedback,
+                    sizeof(self->alignL_velocity_feedback)),
+                csp_sampled_read_again(csp, party, &self->feedback, &self->alignL_velocity_feedback,
+                    sizeof(self->alignL_velocity_feedback)),
                 ALIGN_L_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignL.velocity (jiwy.csp:39) */
             (void)joint_control_align_l_velocity_calculate(csp, self);
-            CSP_FAULT_INSIDE("alignL.velocity", "jiwy.csp:39", fails);
+            if (csp_raised_in(csp, party, "alignL.velocity", "jiwy.csp:39")) {
+                goto fails;
+            }
             /* VelocityController (laws.csp:88) */
-            CSP_CHECK(fails)
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
             csp_finite(csp, self->alignL_velocity_control, self->control->name);
-            CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:88", fails);
+            if (csp_raised_in(csp, party, "alignL.velocity", "laws.csp:88")) {
+                goto fails;
+            }
             (void)csp_latched_write(party, self->control, &self->alignL_velocity_control,
                 sizeof(self->alignL_velocity_control));
             self->leftmax = self->alignL_velocity_feedback;
@@ -497,7 +552,9 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
     after_align_l_catches_timeout:
         /* control ! 0<V> (jiwy.csp:40) */
         self->sent.control = 0.0;
-        CSP_CHECK(align_l_fails)
+        if (csp_refused(csp, party)) {
+            goto align_l_fails;
+        }
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->alignL_failed) {
@@ -544,7 +601,9 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
     after_align_r_catches_timeout:
         /* control ! 0<V> (jiwy.csp:40) */
         self->sent.control = 0.0;
-        CSP_CHECK(align_r_fails)
+        if (csp_refused(csp, party)) {
+            goto align_r_fails;
+        }
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->alignR_failed) {
@@ -579,36 +638,44 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
                     goto motion_control_catches_timeout;
                 }
                 csp_require_written(csp, &self->leftmax_written);
-                if (csp_faulted(csp)) {
+                if (csp_raised_in(csp, party, "motionControl.servo", "laws.csp:56")) {
                     csp_offers_give_up(csp, &self->offers);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
-                        motion_control_catches_timeout);
+                    goto motion_control_catches_timeout;
                 }
                 self->motionControl_servo_leftmax = self->leftmax;
                 csp_require_written(csp, &self->rightmax_written);
-                if (csp_faulted(csp)) {
+                if (csp_raised_in(csp, party, "motionControl.servo", "laws.csp:56")) {
                     csp_offers_give_up(csp, &self->offers);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
-                        motion_control_catches_timeout);
+                    goto motion_control_catches_timeout;
                 }
                 self->motionControl_servo_rightmax = self->rightmax;
-                CSP_OFFER(&self->offers, csp_sampled_read, &self->feedback_3,
-                    self->motionControl_servo_feedback, MOTION_CONTROL_READS_INPUTS,
-                    motion_control_catches_timeout)
-                CSP_OFFER(&self->offers, csp_sampled_read, &self->joystick_axis,
-                    self->motionControl_servo_setpoint, MOTION_CONTROL_READS_INPUTS,
-                    motion_control_catches_timeout)
+                if (CSP_OFFER(&self->offers, csp_sampled_read, &self->feedback_3,
+                            self->motionControl_servo_feedback)
+                        == CSP_FAILS) {
+                    party->state = (uint16_t)MOTION_CONTROL_READS_INPUTS;
+                    goto motion_control_catches_timeout;
+                }
+                if (CSP_OFFER(&self->offers, csp_sampled_read, &self->joystick_axis,
+                            self->motionControl_servo_setpoint)
+                        == CSP_FAILS) {
+                    party->state = (uint16_t)MOTION_CONTROL_READS_INPUTS;
+                    goto motion_control_catches_timeout;
+                }
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
                     MOTION_CONTROL_READS_INPUTS, motion_control_catches_timeout)
                 /* motionControl.servo (jiwy.csp:68) */
                 (void)joint_control_motion_control_servo_calculate(csp, self);
-                CSP_FAULT_INSIDE("motionControl.servo", "jiwy.csp:68",
-                    motion_control_catches_timeout);
+                if (csp_raised_in(csp, party, "motionControl.servo", "jiwy.csp:68")) {
+                    goto motion_control_catches_timeout;
+                }
                 /* PositionController (laws.csp:56) */
-                CSP_CHECK(motion_control_catches_timeout)
+                if (csp_refused(csp, party)) {
+                    goto motion_control_catches_timeout;
+                }
                 csp_finite(csp, self->motionControl_servo_control, self->control->name);
-                CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
-                    motion_control_catches_timeout);
+                if (csp_raised_in(csp, party, "motionControl.servo", "laws.csp:56")) {
+                    goto motion_control_catches_timeout;
+                }
                 (void)csp_latched_write(party, self->control, &self->motionControl_servo_control,
                     sizeof(self->motionControl_servo_control));
                 self->motionControl_reference = self->motionControl_servo_reference;
@@ -626,7 +693,9 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
     after_motion_control_catches_timeout:
         /* control ! 0<V> (jiwy.csp:70) */
         self->sent.control = 0.0;
-        CSP_CHECK(motion_control_fails)
+        if (csp_refused(csp, party)) {
+            goto motion_control_fails;
+        }
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->motionControl_failed) {
@@ -669,7 +738,9 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
     after_homing_catches_timeout:
         /* control ! 0<V> (jiwy.csp:98) */
         self->sent.control = 0.0;
-        CSP_CHECK(homing_fails)
+        if (csp_refused(csp, party)) {
+            goto homing_fails;
+        }
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->homing_failed) {

@@ -111,7 +111,9 @@ static bool worn_environment_evaluate(csp_kernel *csp, struct worn_environment *
         csp_finite_at(csp, tilt_encoder, "plant.csp:49");
         csp_finite_at(csp, self->joystick_horizontal, "jiwy.csp:198");
         csp_finite_at(csp, self->joystick_vertical, "jiwy.csp:199");
-        CSP_CHECK_LAW("jiwy.csp:199");
+        if (csp_faulted_at(csp, "jiwy.csp:199")) {
+            return false;
+        }
     }
     return true;
 }
@@ -196,7 +198,9 @@ static bool worn_environment_advance(csp_kernel *csp, void *state, int64_t now)
         csp_finite_at(csp, pan_speed, "plant.csp:48");
         csp_finite_at(csp, tilt_angle, "plant.csp:47");
         csp_finite_at(csp, tilt_speed, "plant.csp:48");
-        CSP_CHECK_LAW("plant.csp:48");
+        if (csp_faulted_at(csp, "plant.csp:48")) {
+            return false;
+        }
     }
     self->pan_angle = pan_angle;
     self->pan_speed = pan_speed;

@@ -20,13 +20,22 @@ static csp_party *align_repeat_velocity_step(csp_kernel *csp, csp_party *party)
     case 0:
         for (;;) {
             /* velocity (jiwy.csp:39) */
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->velocity.feedback,
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback, &self->velocity.feedback,
+                    sizeof(self->velocity.feedback)),
+                csp_sampled_read_again(csp, party, &self->feedback, &self->velocity.feedback,
+                    sizeof(self->velocity.feedback)),
                 REPEAT_VELOCITY_READS_FEEDBACK, fails)
             (void)velocity_controller_calculate(csp, &self->velocity);
-            CSP_FAULT_INSIDE("velocity", "laws.csp:88", fails);
-            CSP_CHECK(fails)
+            if (csp_raised_in(csp, party, "velocity", "laws.csp:88")) {
+                goto fails;
+            }
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
             csp_finite(csp, self->velocity.control, self->control->name);
-            CSP_FAULT_INSIDE("velocity", "laws.csp:88", fails);
+            if (csp_raised_in(csp, party, "velocity", "laws.csp:88")) {
+                goto fails;
+            }
             (void)csp_latched_write(party, self->control, &self->velocity.control,
                 sizeof(self->velocity.control));
             *self->max = self->velocity.max;
@@ -36,7 +45,9 @@ static csp_party *align_repeat_velocity_step(csp_kernel *csp, csp_party *party)
             self->stop = self->velocity.stop;
             self->stop_written.done = true;
             csp_require_written(csp, &self->stop_written);
-            CSP_FAULT("jiwy.csp:39", fails);
+            if (csp_raised(csp, party, "jiwy.csp:39")) {
+                goto fails;
+            }
             if (self->stop) {
                 break;
             }
@@ -108,7 +119,9 @@ static csp_party *align_step(csp_kernel *csp, csp_party *party)
     after_catches_timeout:
         /* control ! 0<V> (jiwy.csp:40) */
         self->sent.control = 0.0;
-        CSP_CHECK(fails)
+        if (csp_refused(csp, party)) {
+            goto fails;
+        }
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->failed) {

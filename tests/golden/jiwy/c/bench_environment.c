@@ -112,7 +112,9 @@ static bool bench_environment_evaluate(csp_kernel *csp, struct bench_environment
     if (!csp_is_finite(pan_encoder + tilt_encoder)) {
         csp_finite_at(csp, pan_encoder, "plant.csp:49");
         csp_finite_at(csp, tilt_encoder, "plant.csp:49");
-        CSP_CHECK_LAW("plant.csp:49");
+        if (csp_faulted_at(csp, "plant.csp:49")) {
+            return false;
+        }
     }
     return true;
 }
@@ -197,7 +199,9 @@ static bool bench_environment_advance(csp_kernel *csp, void *state, int64_t now)
         csp_finite_at(csp, pan_speed, "plant.csp:48");
         csp_finite_at(csp, tilt_angle, "plant.csp:47");
         csp_finite_at(csp, tilt_speed, "plant.csp:48");
-        CSP_CHECK_LAW("plant.csp:48");
+        if (csp_faulted_at(csp, "plant.csp:48")) {
+            return false;
+        }
     }
     self->pan_angle = pan_angle;
     self->pan_speed = pan_speed;

@@ -21,19 +21,32 @@ static csp_party *homing_repeat_servo_step(csp_kernel *csp, csp_party *party)
         for (;;) {
             /* servo (jiwy.csp:97) */
             csp_require_written(csp, self->leftmax_written);
-            CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
+            if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
+                goto fails;
+            }
             self->servo.leftmax = *self->leftmax;
             csp_require_written(csp, self->rightmax_written);
-            CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
+            if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
+                goto fails;
+            }
             self->servo.rightmax = *self->rightmax;
             self->servo.setpoint = self->zero;
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->servo.feedback,
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback, &self->servo.feedback,
+                    sizeof(self->servo.feedback)),
+                csp_sampled_read_again(csp, party, &self->feedback, &self->servo.feedback,
+                    sizeof(self->servo.feedback)),
                 REPEAT_SERVO_READS_FEEDBACK, fails)
             (void)position_controller_calculate(csp, &self->servo);
-            CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
-            CSP_CHECK(fails)
+            if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
+                goto fails;
+            }
+            if (csp_refused(csp, party)) {
+                goto fails;
+            }
             csp_finite(csp, self->servo.control, self->control->name);
-            CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
+            if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
+                goto fails;
+            }
             (void)csp_latched_write(party, self->control, &self->servo.control,
                 sizeof(self->servo.control));
             self->reference = self->servo.reference;
@@ -41,7 +54,9 @@ static csp_party *homing_repeat_servo_step(csp_kernel *csp, csp_party *party)
             self->stop = self->servo.stop;
             self->stop_written.done = true;
             csp_require_written(csp, &self->stop_written);
-            CSP_FAULT("jiwy.csp:97", fails);
+            if (csp_raised(csp, party, "jiwy.csp:97")) {
+                goto fails;
+            }
             if (self->stop) {
                 break;
             }
@@ -109,7 +124,9 @@ static csp_party *homing_step(csp_kernel *csp, csp_party *party)
     after_catches_timeout:
         /* control ! 0<V> (jiwy.csp:98) */
         self->sent.control = 0.0;
-        CSP_CHECK(fails)
+        if (csp_refused(csp, party)) {
+            goto fails;
+        }
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->failed) {

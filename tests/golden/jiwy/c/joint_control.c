@@ -20,13 +20,21 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
     case 0:
         csp_observe_begin(csp, party->number);
         /* alignL (jiwy.csp:129) */
-        CSP_CALL(&self->alignL.process, RUNS_ALIGN_L)
+        party->state = (uint16_t)RUNS_ALIGN_L;
+        return csp_call(party, &self->alignL.process);
+    case RUNS_ALIGN_L:
         /* alignR (jiwy.csp:129) */
-        CSP_CALL(&self->alignR.process, RUNS_ALIGN_R)
+        party->state = (uint16_t)RUNS_ALIGN_R;
+        return csp_call(party, &self->alignR.process);
+    case RUNS_ALIGN_R:
         /* motionControl (jiwy.csp:129) */
-        CSP_CALL(&self->motionControl.process, RUNS_MOTION_CONTROL)
+        party->state = (uint16_t)RUNS_MOTION_CONTROL;
+        return csp_call(party, &self->motionControl.process);
+    case RUNS_MOTION_CONTROL:
         /* homing (jiwy.csp:129) */
-        CSP_CALL(&self->homing.process, RUNS_HOMING)
+        party->state = (uint16_t)RUNS_HOMING;
+        return csp_call(party, &self->homing.process);
+    case RUNS_HOMING:
         csp_observe_end(csp, party->number);
         return csp_end(csp, party);
     case FAILS:

@@ -30,28 +30,42 @@ static csp_party *motion_control_step(csp_kernel *csp, csp_party *party)
                     goto catches_timeout;
                 }
                 csp_require_written(csp, self->leftmax_written);
-                if (csp_faulted(csp)) {
+                if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
                     csp_offers_give_up(csp, &self->offers);
-                    CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
+                    goto catches_timeout;
                 }
                 self->servo.leftmax = *self->leftmax;
                 csp_require_written(csp, self->rightmax_written);
-                if (csp_faulted(csp)) {
+                if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
                     csp_offers_give_up(csp, &self->offers);
-                    CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
+                    goto catches_timeout;
                 }
                 self->servo.rightmax = *self->rightmax;
-                CSP_OFFER(&self->offers, csp_sampled_read, &self->feedback, self->servo.feedback,
-                    READS_SERVO, catches_timeout)
-                CSP_OFFER(&self->offers, csp_sampled_read, &self->joystick_axis,
-                    self->servo.setpoint, READS_SERVO, catches_timeout)
+                if (CSP_OFFER(&self->offers, csp_sampled_read, &self->feedback,
+                            self->servo.feedback)
+                        == CSP_FAILS) {
+                    party->state = (uint16_t)READS_SERVO;
+                    goto catches_timeout;
+                }
+                if (CSP_OFFER(&self->offers, csp_sampled_read, &self->joystick_axis,
+                            self->servo.setpoint)
+                        == CSP_FAILS) {
+                    party->state = (uint16_t)READS_SERVO;
+                    goto catches_timeout;
+                }
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
                     READS_SERVO, catches_timeout)
                 (void)position_controller_calculate(csp, &self->servo);
-                CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
-                CSP_CHECK(catches_timeout)
+                if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
+                    goto catches_timeout;
+                }
+                if (csp_refused(csp, party)) {
+                    goto catches_timeout;
+                }
                 csp_finite(csp, self->servo.control, self->control->name);
-                CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
+                if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
+                    goto catches_timeout;
+                }
                 (void)csp_latched_write(party, self->control, &self->servo.control,
                     sizeof(self->servo.control));
                 self->reference = self->servo.reference;
@@ -70,7 +84,9 @@ static csp_party *motion_control_step(csp_kernel *csp, csp_party *party)
     after_catches_timeout:
         /* control ! 0<V> (jiwy.csp:70) */
         self->sent.control = 0.0;
-        CSP_CHECK(fails)
+        if (csp_refused(csp, party)) {
+            goto fails;
+        }
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->failed) {

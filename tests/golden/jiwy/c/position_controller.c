@@ -41,7 +41,9 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
     self->reference = csp_real(csp,
         csp_limit(centre + self->reach * self->setpoint, self->leftmax + self->margin,
             self->rightmax - self->margin));
-    CSP_CHECK_LAW("laws.csp:72");
+    if (csp_faulted_at(csp, "laws.csp:72")) {
+        return false;
+    }
     const double profile_start = self->feedback; /* laws.csp:73 */
     /* laws.csp:35 */
     const double profile_from = self->profile_moving ? self->profile_last : profile_start;
@@ -49,7 +51,9 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
     /* laws.csp:36 */
     const double profile_velocity = csp_limit(
         csp_divide(csp, profile_target - profile_from, self->smoothing), -self->rate, self->rate);
-    CSP_CHECK_LAW("laws.csp:36");
+    if (csp_faulted_at(csp, "laws.csp:36")) {
+        return false;
+    }
     const double profile_angle = profile_from + self->sample * profile_velocity; /* laws.csp:37 */
     const double pid_error = profile_angle - self->feedback; /* laws.csp:75 */
     /* laws.csp:15 */
@@ -59,7 +63,9 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
             + self->sample * self->pid_kp * pid_error);
     /* laws.csp:16 */
     const double pid_i = self->pid_ui + csp_divide(csp, self->sample * pid_d, self->pid_tauI);
-    CSP_CHECK_LAW("laws.csp:16");
+    if (csp_faulted_at(csp, "laws.csp:16")) {
+        return false;
+    }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
     /* laws.csp:77 */
@@ -89,7 +95,9 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
         csp_finite_at(csp, pid_ud_next, "laws.csp:21");
         csp_finite_at(csp, pid_ui_next, "laws.csp:22");
         csp_finite_at(csp, arrived_next, "laws.csp:81");
-        CSP_CHECK_LAW("laws.csp:81");
+        if (csp_faulted_at(csp, "laws.csp:81")) {
+            return false;
+        }
     }
     self->profile_moving = true; /* laws.csp:38 */
     self->profile_last = profile_last_next; /* laws.csp:39 */

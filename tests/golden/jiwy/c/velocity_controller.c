@@ -32,12 +32,16 @@ bool velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *
     /* laws.csp:103 */
     const double difference =
         self->moving ? csp_divide(csp, self->feedback - self->last, self->sample) : 0.0;
-    CSP_CHECK_LAW("laws.csp:103");
+    if (csp_faulted_at(csp, "laws.csp:103")) {
+        return false;
+    }
     /* laws.csp:104 */
     const double velocity = self->filtered
         + csp_divide(csp, self->sample, self->filter + self->sample)
             * (difference - self->filtered);
-    CSP_CHECK_LAW("laws.csp:104");
+    if (csp_faulted_at(csp, "laws.csp:104")) {
+        return false;
+    }
     const double error = self->speed - velocity; /* laws.csp:105 */
     const double i = self->ui + self->sample * self->ki * error; /* laws.csp:106 */
     const double sum = self->kp * error + i; /* laws.csp:107 */
@@ -57,7 +61,9 @@ bool velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *
         csp_finite_at(csp, filtered_next, "laws.csp:112");
         csp_finite_at(csp, ui_next, "laws.csp:113");
         csp_finite_at(csp, pressed_next, "laws.csp:117");
-        CSP_CHECK_LAW("laws.csp:117");
+        if (csp_faulted_at(csp, "laws.csp:117")) {
+            return false;
+        }
     }
     self->moving = true; /* laws.csp:110 */
     self->last = self->feedback; /* laws.csp:111 */

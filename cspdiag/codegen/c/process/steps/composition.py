@@ -20,7 +20,7 @@ from cspdiag.codegen.c.process.steps.parallels import parallel
 from cspdiag.codegen.c.process.steps.plain_steps import assign_value, discard, read_value, stop, wait, write_value
 from cspdiag.codegen.c.process.steps.scopes import group, report, scope
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import address, call, ignored, negated, own, unsigned
+from cspdiag.codegen.c.text.code import call, ignored, negated, own, unsigned
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import (
@@ -28,7 +28,6 @@ from cspdiag.codegen.c.text.statements import (
     For,
     Plain,
     Statement,
-    Wait,
     While,
     choose,
     goto,
@@ -127,7 +126,7 @@ class CompositionWriter(Writer):
             return call_law(self, action, class_)
         member = self.members.member(action.instance)
         place = self.place(action, f"runs_{action.instance}", "CALL", member)
-        return [self.remark(action), Wait(call("CSP_CALL", address(own(member.field("process"))), place))]
+        return [self.remark(action), *self.call_process(own(member.field("process")), place)]
 
     def _repeat(self, action: ir.Repeat) -> list[Statement]:
         body, after = self._body(action)

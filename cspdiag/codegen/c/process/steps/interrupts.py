@@ -7,7 +7,7 @@ from cspdiag.codegen.c.process.struct.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import address, call, cast, own
 from cspdiag.codegen.c.text.names import identifier
-from cspdiag.codegen.c.text.statements import Statement, Wait, choose, run
+from cspdiag.codegen.c.text.statements import Statement, choose, run
 from cspdiag.codegen.shared.branch_names import branch_name
 from cspdiag.network.ir.actions import InterruptOn, RunInstance
 
@@ -39,5 +39,4 @@ def interrupt(writer: Writer, step: InterruptOn) -> list[Statement]:
         return [writer.remark(step), *guarded]
     setup, holds = writer.condition(step.branch.condition, step.branch)
     called = writer.place(step, f"runs_{identifier(name)}", "CALL", body)
-    plain = Wait(call("CSP_CALL", address(own(body)), called))
-    return [writer.remark(step), *setup, *choose(holds, guarded, [plain])]
+    return [writer.remark(step), *setup, *choose(holds, guarded, writer.call_process(own(body), called))]

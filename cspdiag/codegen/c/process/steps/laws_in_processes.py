@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import Check
+from cspdiag.codegen.c.laws.equations import Check, end_if_faulted
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
 from cspdiag.codegen.c.laws.laws import kernel_of, law_may_fault, law_members, law_verbs
 from cspdiag.codegen.c.process.routines import Waiting
@@ -25,10 +25,10 @@ from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import (
     CSP,
     EQUALITY,
-    Call,
     Code,
     address,
     call,
+    cast,
     code,
     ignored,
     infix,
@@ -38,7 +38,19 @@ from cspdiag.codegen.c.text.code import (
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.media import EndInC
 from cspdiag.codegen.c.text.names import Names
-from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, goto, in_block, return_value, run, store
+from cspdiag.codegen.c.text.statements import (
+    If,
+    Remark,
+    Return,
+    Statement,
+    choose,
+    goto,
+    goto_if,
+    in_block,
+    return_value,
+    run,
+    store,
+)
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.declared import Declared
@@ -151,8 +163,8 @@ def run_inlined_law(writer: Writer, step: ir.RunLaw) -> list[Statement]:
     variables.
     """
 
-    def fault_check(where: str) -> list[Plain]:
-        return [run(call("CSP_FAULT_INSIDE", quoted(step.law), quoted(where), writer.failure_label()))]
+    def fault_check(where: str) -> list[Statement]:
+        return [goto_if(call("csp_raised_in", "party", quoted(step.law), quoted(where)), writer.failure_label())]
 
     outside = writer.members.local_signals
     local = {name: outside[name] for name, _ in run_law_signals(step) if name in outside}
@@ -163,8 +175,8 @@ def run_inlined_law(writer: Writer, step: ir.RunLaw) -> list[Statement]:
     if not step.derivatives:  # Their integration has local variables of its own.
         names = Names({*writer.members.types.names.globals, "self"})
         local = {name: names[name.removeprefix(f"{step.law}.")] for name in local}
-    body = _law_statements(writer, step, lambda where: [run(call("CSP_CHECK_LAW", quoted(where)))], local)
-    faulty = any(isinstance(node, Call) and node.function == "CSP_CHECK_LAW" for node in nodes(body))
+    body = _law_statements(writer, step, end_if_faulted, local)
+    faulty = any(isinstance(node, Return) for node in nodes(body))
     name = writer.law_function(
         step.law, [*body, return_value("true")] if faulty else body, "bool" if faulty else "void", remark
     )
@@ -219,7 +231,7 @@ def _read_all(
     if len(waiting) == 1:
         source = waiting[0].source
         assert source is not None
-        return [*remark, *at_once, receive(writer, step, source, waiting[0].into)]
+        return [*remark, *at_once, *receive(writer, step, source, waiting[0].into)]
     offers = _Offers(writer, step, len(waiting), "INPUTS", f"reads_{name}")
     statements = [*remark, *offers.begin()]
     for read in reads:
@@ -292,18 +304,20 @@ class _Offers:
         begun = call("csp_offers_begin", "party", address(self.member))
         return choose(infix("==", EQUALITY, begun, code("CSP_FAILS")), [goto(self.writer.failure_label())])
 
-    def offer(self, operation: str, end: EndInC, value: Code) -> Plain:
+    def offer(self, operation: str, end: EndInC, value: Code) -> If:
         """Begins one communication."""
-        offers, failing = address(self.member), self.writer.failure_label()
-        return run(call("CSP_OFFER", offers, operation, end.pointer, value, self.place, failing), "")
+        made = call("CSP_OFFER", address(self.member), operation, end.pointer, value)
+        failed = (store("party->state", cast("uint16_t", code(self.place))), goto(self.writer.failure_label()))
+        return If(infix("==", EQUALITY, made, code("CSP_FAILS")), failed)
 
-    def take_back_if(self, checks: Sequence[Plain]) -> list[Statement]:
+    def take_back_if(self, checks: Sequence[Statement]) -> list[Statement]:
         """The check for a fault after offers have begun: it takes them back if there is one."""
         if not checks:
             return []
         *before, fault = checks
+        assert isinstance(fault, If)
         back = run(call("csp_offers_give_up", address(self.member)))
-        return [*before, *choose(call("csp_faulted"), [back, fault])]
+        return [*before, If(fault.condition, (back, *fault.then))]
 
     def wait(self) -> Statement:
         """Waits until all communications are complete."""

@@ -9,12 +9,13 @@ from cspdiag.codegen.c.text.code import EQUALITY, Code, Own, address, call, code
 from cspdiag.codegen.c.text.media import EndInC
 from cspdiag.codegen.c.text.statements import (
     Block,
+    If,
     Plain,
     Statement,
-    Wait,
     choose,
     define,
     goto,
+    goto_if,
     return_value,
     run,
     store,
@@ -47,20 +48,25 @@ def read_value(writer: Writer, step: ReadValue) -> list[Statement]:
         return [writer.remark(step), *read_variable(writer, target, source, writer.where(step))]
     if not target.indexes:
         variable = writer.members.variable(target.channel)
-        return [writer.remark(step), receive(writer, step, source, variable), *writer.mark_written(target.channel)]
+        return [writer.remark(step), *receive(writer, step, source, variable), *writer.mark_written(target.channel)]
     received = writer.slot(source.name, source.type, "received")
     stored = store_value(writer, target, received, source.type, writer.where(step))
-    return [writer.remark(step), receive(writer, step, source, received), *stored]
+    return [writer.remark(step), *receive(writer, step, source, received), *stored]
 
 
-def receive(writer: Writer, step: Step, source: EndInC, into: Code) -> Wait:
+def receive(writer: Writer, step: Step, source: EndInC, into: Code) -> list[Statement]:
     """Waits for a value and stores it in an lvalue that exists during the wait."""
     place = writer.place(step, f"reads_{source.name}", "READ", source.member, indirect=source.indirect)
     operation = READS[source.access]
-    waits_outside = source.access in ("sampled", "event")
-    writer.current.progress |= waits_outside
-    macro = "CSP_TAKE" if waits_outside else "CSP_COMMUNICATE"
-    return Wait(call(macro, operation, source.pointer, into, place, writer.failure_label()))
+    if source.access in ("sampled", "event"):
+        again = _operation(f"{operation}_again", source, into)
+        return [writer.wait(_operation(operation, source, into), again, place)]
+    return [check_cancelled(writer), writer.wait(_operation(operation, source, into), code("CSP_DONE"), place)]
+
+
+def _operation(function: str, end: EndInC, value: Code) -> Code:
+    """A communication of the process with the value of an lvalue."""
+    return call(function, "party", end.pointer, address(value), size_of(value))
 
 
 def write_value(writer: Writer, step: WriteValue) -> list[Statement]:
@@ -89,9 +95,9 @@ def discard(writer: Writer, value: Expression, where: str) -> list[Statement]:
     return writer.evaluate_into(writer.slot("unused", value.type), value, where)
 
 
-def check_cancelled(writer: Writer) -> Plain:
+def check_cancelled(writer: Writer) -> If:
     """The check whether the process was cancelled, for communications that never wait."""
-    return run(call("CSP_CHECK", writer.failure_label()), "")
+    return goto_if(call("csp_refused", "party"), writer.failure_label())
 
 
 def send(writer: Writer, step: Step, sink: EndInC, value: Code, *, finite: bool = False) -> list[Statement]:
@@ -100,12 +106,13 @@ def send(writer: Writer, step: Step, sink: EndInC, value: Code, *, finite: bool 
         checked = [] if finite else check_finite(writer, sink, value, writer.where(step))
         return [check_cancelled(writer), *checked, hand_over(sink, value)]
     place = writer.place(step, f"writes_{sink.name}", "WRITE", sink.member, indirect=sink.indirect)
-    return [Wait(call("CSP_COMMUNICATE", WRITES[sink.access], sink.pointer, value, place, writer.failure_label()))]
+    operation = _operation(WRITES[sink.access], sink, value)
+    return [check_cancelled(writer), writer.wait(operation, code("CSP_DONE"), place)]
 
 
 def hand_over(sink: EndInC, value: Code) -> Plain:
     """Writes to an output of the program."""
-    return run(ignored(call(WRITES[sink.access], "party", sink.pointer, address(value), size_of(value))))
+    return run(ignored(_operation(WRITES[sink.access], sink, value)))
 
 
 def size_of(value: Code) -> Code:
@@ -113,7 +120,7 @@ def size_of(value: Code) -> Code:
     return call("sizeof", value)
 
 
-def check_finite(writer: Writer, sink: EndInC, value: Code, where: str) -> list[Plain]:
+def check_finite(writer: Writer, sink: EndInC, value: Code, where: str) -> list[Statement]:
     """The check that a value for an output of the program is neither NaN nor infinite."""
     check = writer.members.types.finite_check(sink.type, value, sink.pointer.arrow("name"))
     return [] if check is None else [run(check), writer.raise_noted_fault(where)]
@@ -133,7 +140,7 @@ def read_variable(writer: Writer, target: Target, source: EndInC, where: str) ->
     return [*check_written(writer, source, where), *store_value(writer, target, source.pointer, source.type, where)]
 
 
-def check_written(writer: Writer, source: EndInC, where: str) -> list[Plain]:
+def check_written(writer: Writer, source: EndInC, where: str) -> list[Statement]:
     """The check that a variable was written, unless it always is before it is read."""
     if source.written is None:
         return []
