@@ -131,7 +131,8 @@ static void enroll_all(csp_kernel *csp, csp_alternative *alternative)
 static inline void begin_waiting(csp_kernel *csp, csp_party *party, csp_alternative *alternative)
 {
     alternative->process = party;
-    alternative->began = ++csp->begun;
+    csp->begun++;
+    alternative->began = csp->begun;
     alternative->waits = true;
     alternative->solved = false;
     alternative->woken = false;

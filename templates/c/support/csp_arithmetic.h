@@ -202,19 +202,41 @@ static inline int64_t csp_sign_int(int64_t x)
 /* Notes that a value is outside a type. */
 int64_t csp_outside(csp_kernel *csp, const char *type, int64_t value, int64_t low, int64_t high);
 
-#define CSP_NARROW(type, bits_type, low, high)                                                    \
-    static inline bits_type csp_##type(csp_kernel *csp, int64_t value)                                             \
-    {                                                                                             \
-        return (bits_type)(((value >= (low)) && (value <= (high))) ? value                        \
-                                                                   : csp_outside(csp, #type, value, low, high)); \
-    }
+static inline int8_t csp_int8(csp_kernel *csp, int64_t value)
+{
+    const bool fits = (value >= (int64_t)INT8_MIN) && (value <= (int64_t)INT8_MAX);
+    return (int8_t)(fits ? value : csp_outside(csp, "int8", value, (int64_t)INT8_MIN, (int64_t)INT8_MAX));
+}
 
-CSP_NARROW(int8, int8_t, INT8_MIN, INT8_MAX)
-CSP_NARROW(int16, int16_t, INT16_MIN, INT16_MAX)
-CSP_NARROW(int32, int32_t, INT32_MIN, INT32_MAX)
-CSP_NARROW(uint8, uint8_t, 0, UINT8_MAX)
-CSP_NARROW(uint16, uint16_t, 0, UINT16_MAX)
-CSP_NARROW(uint32, uint32_t, 0, UINT32_MAX)
+static inline int16_t csp_int16(csp_kernel *csp, int64_t value)
+{
+    const bool fits = (value >= (int64_t)INT16_MIN) && (value <= (int64_t)INT16_MAX);
+    return (int16_t)(fits ? value : csp_outside(csp, "int16", value, (int64_t)INT16_MIN, (int64_t)INT16_MAX));
+}
+
+static inline int32_t csp_int32(csp_kernel *csp, int64_t value)
+{
+    const bool fits = (value >= (int64_t)INT32_MIN) && (value <= (int64_t)INT32_MAX);
+    return (int32_t)(fits ? value : csp_outside(csp, "int32", value, (int64_t)INT32_MIN, (int64_t)INT32_MAX));
+}
+
+static inline uint8_t csp_uint8(csp_kernel *csp, int64_t value)
+{
+    const bool fits = (value >= 0) && (value <= (int64_t)UINT8_MAX);
+    return (uint8_t)(fits ? value : csp_outside(csp, "uint8", value, 0, (int64_t)UINT8_MAX));
+}
+
+static inline uint16_t csp_uint16(csp_kernel *csp, int64_t value)
+{
+    const bool fits = (value >= 0) && (value <= (int64_t)UINT16_MAX);
+    return (uint16_t)(fits ? value : csp_outside(csp, "uint16", value, 0, (int64_t)UINT16_MAX));
+}
+
+static inline uint32_t csp_uint32(csp_kernel *csp, int64_t value)
+{
+    const bool fits = (value >= 0) && (value <= (int64_t)UINT32_MAX);
+    return (uint32_t)(fits ? value : csp_outside(csp, "uint32", value, 0, (int64_t)UINT32_MAX));
+}
 
 /* Reals are truncated toward zero. */
 int64_t csp_int64_of_real(csp_kernel *csp, double value);
@@ -267,6 +289,12 @@ double csp_real_division_fails(csp_kernel *csp);
 static inline double csp_divide(csp_kernel *csp, double dividend, double divisor)
 {
     return (divisor != 0.0) ? dividend / divisor : csp_real_division_fails(csp);
+}
+
+/* The value, with 0 for a negative zero: what adding 0 does. */
+static inline double csp_positive_zero(double value)
+{
+    return value + 0.0;
 }
 
 static inline double csp_min(double left, double right)

@@ -235,7 +235,7 @@ static inline void csp_enter(csp_queue *queue, csp_party *party)
 /* Puts a party that is not registered anywhere into the ready queue of its level. */
 static inline void csp_ready(csp_kernel *csp, csp_party *party)
 {
-    csp_enter(&csp->ready[(CSP_LEVELS > 1) ? party->level : 0U], party);
+    csp_enter(&csp->ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
 }
 
 /* Copies a value; most values are one word. */

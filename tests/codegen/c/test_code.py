@@ -148,6 +148,10 @@ def test_a_reviewer_finds_none_of_these(name: str, level: int) -> None:
         "pointer to what is pointed to": r"&\*|\*&",
         "comma that evaluates": r"\((csp_require_written|csp_operand_\d+ =)",
         "needless parentheses": r"!\((\w|->|\.)+\)|\(\((\w|->|\.)+\)\)",
+        "jump to the next statement": r"goto (\w+);\s*\1:",
+        "zero that is added": r"\+ -?0\.0f?\b",
+        "test of a literal": r"(finite\w*|csp_real\w*)\((csp, )?-?[\d.]+[,)]",
+        "end that is named after a number": r"self->\w*feedback_\d",
     }
     for path, text in package.items():
         if path.startswith("support/") or not path.endswith((".c", ".h")):
@@ -156,3 +160,23 @@ def test_a_reviewer_finds_none_of_these(name: str, level: int) -> None:
         for objection, pattern in objections.items():
             found = re.search(pattern, text)
             assert found is None, f"{path}: {objection}: {found[0]}"
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_no_function_of_the_diagram_is_long(name: str) -> None:
+    """At -O0; processes that -O1 inlines are one function."""
+    for path, text in pipeline.generate(network(name), read, "c", 0).items():
+        if not path.startswith("support/") and path.endswith(".c"):
+            lengths = [body.count("\n") for body in re.findall(r"^\{\n.*?^\}$", text, re.MULTILINE | re.DOTALL)]
+            assert max(lengths, default=0) <= 120, path
+
+
+def test_one_macro_contains_jumps() -> None:
+    """Those of `csp_leaf.h` for processes by hand consist of it."""
+    macros = [
+        macro
+        for path, text in pipeline.generate(network("jiwy"), read, "c", 0).items()
+        if path.endswith(".h")
+        for macro in re.findall(r"^#define (\w+)\((?:[^\n]*\\\n)*[^\n]*\b(?:return|goto|case)\b", text, re.MULTILINE)
+    ]
+    assert macros == ["CSP_AWAIT"]

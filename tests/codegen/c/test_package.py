@@ -19,7 +19,17 @@ from cspdiag.simulate.native.memory import FunctionFacts, deepest, memory_report
 
 MODELS = Path(__file__).parents[3] / "models"
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
-WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-fsyntax-only")
+WARNINGS = (
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wcast-qual",
+    "-Wshadow",
+    "-Werror",
+    "-fsyntax-only",
+)
 
 needs_compiler = pytest.mark.skipif(not COMPILERS, reason="there is no C compiler")
 

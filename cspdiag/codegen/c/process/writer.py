@@ -366,6 +366,10 @@ class Writer:
         if not label:
             return list(body)
         statements = [*body]
+        if statements[-1:] == [goto(handler.label)] and label == [Label(handler.label)]:
+            statements.pop()
+            if not jumps_to(handler.label, statements):
+                label = []
         after = self.states.fresh(f"after_{handler.label}")
         if passes:
             statements.append(goto(after))

@@ -4,7 +4,7 @@ defined order of faults.
 
 from __future__ import annotations
 
-from math import pi
+from math import copysign, pi
 from typing import assert_never
 
 from cspdiag.codegen.c.text.code import (
@@ -195,6 +195,8 @@ class Printer(Evaluator):
                 code = call("fmod", left, right)
             case "/" if divisor_may_be_zero(expression):
                 return call(f"csp_divide{'_single' if is_single(expression.type) else ''}", left, right)
+            case "+" if _is_positive_zero(expression.right):
+                code = call("csp_positive_zero", left)
             case "+" | "-" | "*" | "/" | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
                 return infix(operator, _ARITHMETIC[operator], left, right)
             case _:
@@ -330,3 +332,8 @@ class Printer(Evaluator):
 def _checked(function: str, type_: Type) -> str:
     """The function for an operation of 64 bits whose result is checked."""
     return _OF_TIMES.get(function, function) if isinstance(type_, TimeType) else function
+
+
+def _is_positive_zero(expression: Expression) -> bool:
+    value = expression.value if isinstance(expression, LiteralValue) else None
+    return isinstance(value, int | float) and value == 0 and copysign(1.0, value) > 0

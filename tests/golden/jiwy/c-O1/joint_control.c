@@ -230,7 +230,7 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
     const double centre = (self->homing_servo_leftmax + self->homing_servo_rightmax) / 2.0;
     /* laws.csp:72 */
     self->homing_servo_reference = csp_real(csp,
-        csp_limit(centre + 0.0, self->homing_servo_leftmax + 0.05,
+        csp_limit(csp_positive_zero(centre), self->homing_servo_leftmax + 0.05,
             self->homing_servo_rightmax - 0.05));
     if (csp_faulted_at(csp, "laws.csp:72")) {
         return false;
@@ -322,10 +322,10 @@ static csp_party *joint_control_homing_run_servo_step(csp_kernel *csp, csp_party
                 goto fails;
             }
             self->homing_servo_rightmax = self->rightmax;
-            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback_4, &self->homing_servo_feedback,
-                    sizeof(self->homing_servo_feedback)),
-                csp_sampled_read_again(csp, party, &self->feedback_4, &self->homing_servo_feedback,
-                    sizeof(self->homing_servo_feedback)),
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->homing_feedback,
+                    &self->homing_servo_feedback, sizeof(self->homing_servo_feedback)),
+                csp_sampled_read_again(csp, party, &self->homing_feedback,
+                    &self->homing_servo_feedback, sizeof(self->homing_servo_feedback)),
                 HOMING_RUN_SERVO_READS_FEEDBACK, fails)
             /* homing.servo (jiwy.csp:97) */
             (void)joint_control_homing_servo_calculate(csp, self);
@@ -362,7 +362,7 @@ static const csp_place joint_control_homing_run_servo_places[] = {
         .failed = HOMING_RUN_SERVO_FAILS,
         .where = "laws.csp:56",
         .inner = "homing.servo",
-        .offset = offsetof(struct joint_control, feedback_4)
+        .offset = offsetof(struct joint_control, homing_feedback)
     },
     [HOMING_RUN_SERVO_FAILS] = {
         .waiting = CSP_AT_NOTHING,
@@ -389,9 +389,9 @@ static csp_party *joint_control_align_r_run_velocity_step(csp_kernel *csp, csp_p
     case 0:
         do {
             /* VelocityController (laws.csp:88) */
-            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback_2,
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->alignR_feedback,
                     &self->alignR_velocity_feedback, sizeof(self->alignR_velocity_feedback)),
-                csp_sampled_read_again(csp, party, &self->feedback_2,
+                csp_sampled_read_again(csp, party, &self->alignR_feedback,
                     &self->alignR_velocity_feedback, sizeof(self->alignR_velocity_feedback)),
                 ALIGN_R_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignR.velocity (jiwy.csp:39) */
@@ -430,7 +430,7 @@ static const csp_place joint_control_align_r_run_velocity_places[] = {
         .failed = ALIGN_R_RUN_VELOCITY_FAILS,
         .where = "laws.csp:88",
         .inner = "alignR.velocity",
-        .offset = offsetof(struct joint_control, feedback_2)
+        .offset = offsetof(struct joint_control, alignR_feedback)
     },
     [ALIGN_R_RUN_VELOCITY_FAILS] = {
         .waiting = CSP_AT_NOTHING,
@@ -457,10 +457,10 @@ static csp_party *joint_control_align_l_run_velocity_step(csp_kernel *csp, csp_p
     case 0:
         do {
             /* VelocityController (laws.csp:88) */
-            CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback, &self->alignL_velocity_feedback,
-                    sizeof(self->alignL_velocity_feedback)),
-                csp_sampled_read_again(csp, party, &self->feedback, &self->alignL_velocity_feedback,
-                    sizeof(self->alignL_velocity_feedback)),
+            CSP_AWAIT(csp_sampled_read(csp, party, &self->alignL_feedback,
+                    &self->alignL_velocity_feedback, sizeof(self->alignL_velocity_feedback)),
+                csp_sampled_read_again(csp, party, &self->alignL_feedback,
+                    &self->alignL_velocity_feedback, sizeof(self->alignL_velocity_feedback)),
                 ALIGN_L_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignL.velocity (jiwy.csp:39) */
             (void)joint_control_align_l_velocity_calculate(csp, self);
@@ -498,7 +498,7 @@ static const csp_place joint_control_align_l_run_velocity_places[] = {
         .failed = ALIGN_L_RUN_VELOCITY_FAILS,
         .where = "laws.csp:88",
         .inner = "alignL.velocity",
-        .offset = offsetof(struct joint_control, feedback)
+        .offset = offsetof(struct joint_control, alignL_feedback)
     },
     [ALIGN_L_RUN_VELOCITY_FAILS] = {
         .waiting = CSP_AT_NOTHING,
@@ -649,13 +649,13 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
                     goto motion_control_catches_timeout;
                 }
                 self->motionControl_servo_rightmax = self->rightmax;
-                if (CSP_OFFER(&self->offers, csp_sampled_read, &self->feedback_3,
+                if (CSP_OFFER(&self->offers, csp_sampled_read, &self->motionControl_feedback,
                             self->motionControl_servo_feedback)
                         == CSP_FAILS) {
                     party->state = (uint16_t)MOTION_CONTROL_READS_INPUTS;
                     goto motion_control_catches_timeout;
                 }
-                if (CSP_OFFER(&self->offers, csp_sampled_read, &self->joystick_axis,
+                if (CSP_OFFER(&self->offers, csp_sampled_read, &self->motionControl_joystick_axis,
                             self->motionControl_servo_setpoint)
                         == CSP_FAILS) {
                     party->state = (uint16_t)MOTION_CONTROL_READS_INPUTS;
@@ -895,19 +895,22 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     self->homing_servo_pid_ui = 0.0;
     self->homing_servo_arrived = 0.0;
     csp_offers_init(&self->offers, self->offers_made, 2U);
-    csp_sampled_end_init(&self->feedback, ports->feedback, &self->alignL_samples);
-    csp_sampled_end_init(&self->feedback_2, ports->feedback, &self->alignR_samples);
+    csp_sampled_end_init(&self->alignL_feedback, ports->feedback, &self->alignL_samples);
+    csp_sampled_end_init(&self->alignR_feedback, ports->feedback, &self->alignR_samples);
     self->joystick_buttons =
         csp_event_reader(&self->joystick_buttons_latch, ports->joystick_buttons);
-    csp_sampled_end_init(&self->feedback_3, ports->feedback, &self->motionControl_samples);
-    csp_sampled_end_init(&self->joystick_axis, ports->joystick_axis, &self->motionControl_samples);
+    csp_sampled_end_init(&self->motionControl_feedback, ports->feedback,
+        &self->motionControl_samples);
+    csp_sampled_end_init(&self->motionControl_joystick_axis, ports->joystick_axis,
+        &self->motionControl_samples);
     csp_alternative_init(&self->motionControl_choice.alternative, self->motionControl_choice.guards,
         2U, NULL, true);
     csp_guard_read(&self->motionControl_choice.alternative, 0U, &self->joystick_buttons->medium,
         &self->motionControl_status, sizeof(self->motionControl_status));
-    csp_guard_ready(&self->motionControl_choice.alternative, 1U, &self->feedback_3.medium);
+    csp_guard_ready(&self->motionControl_choice.alternative, 1U,
+        &self->motionControl_feedback.medium);
     csp_enable_all(&self->motionControl_choice.alternative);
-    csp_sampled_end_init(&self->feedback_4, ports->feedback, &self->homing_samples);
+    csp_sampled_end_init(&self->homing_feedback, ports->feedback, &self->homing_samples);
     csp_process_init(&self->alignL_run_velocity_branch, &joint_control_align_l_run_velocity_class,
         self->process.party.number);
     csp_interrupt_init(&self->alignL_interrupt_run_velocity,

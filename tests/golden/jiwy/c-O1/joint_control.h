@@ -25,14 +25,14 @@ struct joint_control {
     struct jiwy_servo_gains gains;
     double alignKp;
     csp_latched_output *control;
-    csp_sampled_end feedback;
-    csp_sampled_end feedback_2;
+    csp_sampled_end alignL_feedback;
+    csp_sampled_end alignR_feedback;
     csp_event_end *joystick_buttons;
     /* if it has one of its own */
     csp_event_end joystick_buttons_latch;
-    csp_sampled_end feedback_3;
-    csp_sampled_end joystick_axis;
-    csp_sampled_end feedback_4;
+    csp_sampled_end motionControl_feedback;
+    csp_sampled_end motionControl_joystick_axis;
+    csp_sampled_end homing_feedback;
     double leftmax;
     csp_written leftmax_written;
     double rightmax;

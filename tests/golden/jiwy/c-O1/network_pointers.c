@@ -163,11 +163,11 @@ static const csp_pointer_member pointers_of_joint_control_members[] = {
     {offsetof(struct joint_control, homing_samples), 1U, sizeof(csp_ends), &pointers_of_csp_ends},
     {offsetof(struct joint_control, control), 1U, sizeof(void *), NULL},
     {
-        offsetof(struct joint_control, feedback), 1U, sizeof(csp_sampled_end),
+        offsetof(struct joint_control, alignL_feedback), 1U, sizeof(csp_sampled_end),
         &pointers_of_csp_sampled_end
     },
     {
-        offsetof(struct joint_control, feedback_2), 1U, sizeof(csp_sampled_end),
+        offsetof(struct joint_control, alignR_feedback), 1U, sizeof(csp_sampled_end),
         &pointers_of_csp_sampled_end
     },
     {offsetof(struct joint_control, joystick_buttons), 1U, sizeof(void *), NULL},
@@ -176,15 +176,15 @@ static const csp_pointer_member pointers_of_joint_control_members[] = {
         &pointers_of_csp_event_end
     },
     {
-        offsetof(struct joint_control, feedback_3), 1U, sizeof(csp_sampled_end),
+        offsetof(struct joint_control, motionControl_feedback), 1U, sizeof(csp_sampled_end),
         &pointers_of_csp_sampled_end
     },
     {
-        offsetof(struct joint_control, joystick_axis), 1U, sizeof(csp_sampled_end),
+        offsetof(struct joint_control, motionControl_joystick_axis), 1U, sizeof(csp_sampled_end),
         &pointers_of_csp_sampled_end
     },
     {
-        offsetof(struct joint_control, feedback_4), 1U, sizeof(csp_sampled_end),
+        offsetof(struct joint_control, homing_feedback), 1U, sizeof(csp_sampled_end),
         &pointers_of_csp_sampled_end
     },
     {

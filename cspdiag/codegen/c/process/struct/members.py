@@ -101,8 +101,8 @@ class Members:
         self.instances = {instance.name: instance for instance in process.instances}
         self.created = [item for item in process.creation if not isinstance(item, CreatedInstance | CreatedChoice)]
         self._end_names: dict[End, str] = {}
-        self._name_ends()
         self._scopes = {end: scope.instance for scope in self.inside.of(ProcessScope) for end in scope.ends}
+        self._name_ends()
         sampled = [end for end in self.created if self.access(end) == "sampled"]
         self.has_samples = any(end not in self._scopes for end in sampled)
         self.scope_samples = {
@@ -290,13 +290,21 @@ class Members:
         return self.layout.element(base, self.ports[end.port], _place(end)) if isinstance(end, PortEnd) else code(base)
 
     def _name_ends(self) -> None:
+        """The end of a process that was flattened into this one is named after both."""
+        read_in: dict[End, set[str | None]] = {}
+        for end in self.created:
+            read_in.setdefault(_whole(end), set()).add(self._scopes.get(end))
         for end in self.created:
             whole = _whole(end)
             if whole in self._end_names or self.access(end) not in READING_ENDS:
                 continue
             if isinstance(end, PortEnd):
-                base = self.names[end.port]
-                self._end_names[whole] = base if end.end == 0 else self.names.fresh(f"{base}_{end.end + 1}")
+                base, scopes = self.names[end.port], read_in[whole]
+                scope = next(iter(scopes)) if len(scopes) == 1 else None
+                if scope is not None:
+                    self._end_names[whole] = self.names.fresh(f"{scope} {base}")
+                else:
+                    self._end_names[whole] = base if end.end == 0 else self.names.fresh(f"{base}_{end.end + 1}")
             else:
                 self._end_names[whole] = self.names.fresh(
                     f"{end.channel}_end{'' if end.end == 0 else f'_{end.end + 1}'}"
