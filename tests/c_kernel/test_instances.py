@@ -10,6 +10,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.cli.main import main
+from cspdiag.cli.verbs.verify_timing import measured_times
 from tests.c_kernel.building import HERE, STRICT, need, need_sanitizers, run
 from tests.conformance.sources import network_of, read
 
@@ -147,6 +148,18 @@ def test_events_can_be_polled_and_outputs_handed_over_before_samples_are_taken(m
         f"state {ENDED}, lamp 0",
         f"state {ENDED}: ended by itself; driven 3, last -1, released 2, afterwards 0",
     ]
+
+
+def test_the_longest_times_are_those_that_the_timing_analysis_reads(tmp_path: Path) -> None:
+    """A step lasts one reading of the counter; an instant some more, in as many parts as it is executed."""
+    need("gcc")
+    main = HERE / "devices" / "interface.c"
+    program = by_the_interface(tmp_path, "tests/c_kernel/devices/machine.csp", main, "gcc", "-DCSP_MEASURE=1")
+    shown = subprocess.run([program, "measure"], capture_output=True, text=True, check=True, timeout=60)
+    assert shown.stderr == "instant 60\n"
+    (tmp_path / "times.json").write_text(shown.stdout)
+    (found,) = measured_times(str(tmp_path / "times.json"))
+    assert (found.path, found.longest, found.what) == ("Machine", 10_000, "thread")
 
 
 @pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])

@@ -212,7 +212,7 @@ csp_ending csp_begin(csp_kernel *csp)
     return CSP_MORE;
 }
 
-csp_ending csp_advance(csp_kernel *csp, int64_t until, uint32_t steps)
+static csp_ending advance(csp_kernel *csp, int64_t until, uint32_t steps)
 {
     uint32_t left = steps;
     if (!runs(csp)) {
@@ -249,11 +249,21 @@ csp_ending csp_advance(csp_kernel *csp, int64_t until, uint32_t steps)
             csp->reached = until;
             return CSP_MORE;
         }
+        csp_measure_leave(csp, true);
+        csp_measure_enter(csp);
         if (!meet(csp, instant, until)) {
             return environment_failed(csp);
         }
         begin_turn(csp);
     }
+}
+
+csp_ending csp_advance(csp_kernel *csp, int64_t until, uint32_t steps)
+{
+    csp_measure_enter(csp);
+    const csp_ending ending = advance(csp, until, steps);
+    csp_measure_leave(csp, ending != CSP_BUDGET);
+    return ending;
 }
 
 int64_t csp_next(csp_kernel *csp)

@@ -149,6 +149,20 @@ typedef struct csp_fault_note {
     const char *law;   /* the control law in which it happened, or NULL */
 } csp_fault_note;
 
+#ifndef CSP_MEASURE
+#define CSP_MEASURE 0 /* whether execution times are measured */
+#endif
+
+/* What is being measured, in cycles. */
+enum { CSP_DEEPEST = 6 };
+typedef struct csp_measuring {
+    uint32_t began;   /* the step */
+    uint32_t entered; /* the present part of an instant, */
+    uint32_t instant; /* and how long those before took */
+    uint32_t depth;
+    uint32_t running[CSP_DEEPEST]; /* the processes of the step */
+} csp_measuring;
+
 /* A range of numbers of ports, without its end. */
 typedef struct csp_range {
     uint32_t from;
@@ -185,6 +199,9 @@ struct csp_kernel {
     volatile bool stop_requested;
     volatile bool news; /* an interrupt handler has brought an event since the last were taken over */
     volatile uint32_t iterations;
+#if CSP_MEASURE
+    csp_measuring measuring;
+#endif
     /* Devices */
     volatile bool driving;        /* there are outputs that are not released */
     volatile bool closed;         /* only safe values are written */

@@ -16,26 +16,24 @@ void csp_unready(csp_kernel *csp, csp_party *party);
 
 /* ---- Execution times ---- */
 
-#ifndef CSP_MEASURE
-#define CSP_MEASURE 0 /* whether steps of processes are timed, for csp_stream.h */
-#endif
-
 #if CSP_MEASURE
 /* To be called around each step, from one choice of the scheduler to the next, and before each process in it. */
-void csp_measure_begin(void);
-void csp_measure_party(uint32_t number);
-void csp_measure_end(void);
+void csp_measure_begin(csp_kernel *csp);
+void csp_measure_party(csp_kernel *csp, uint32_t number);
+void csp_measure_end(csp_kernel *csp);
 #else
-static inline void csp_measure_begin(void)
-{
-}
-static inline void csp_measure_party(uint32_t number)
-{
-    (void)number;
-}
-static inline void csp_measure_end(void)
-{
-}
+#define csp_measure_begin(csp) ((void)(csp))
+#define csp_measure_party(csp, number) ((void)(csp), (void)(number))
+#define csp_measure_end(csp) ((void)(csp))
+#endif
+
+#if CSP_MEASURE && !CSP_TRACE
+/* To be called around the work at an instant, which may be in parts; `done`: this was the last one. */
+void csp_measure_enter(csp_kernel *csp);
+void csp_measure_leave(csp_kernel *csp, bool done);
+#else
+#define csp_measure_enter(csp) ((void)(csp))
+#define csp_measure_leave(csp, done) ((void)(csp), (void)(done))
 #endif
 
 /* ---- Queues of parties in channels ---- */

@@ -21,7 +21,7 @@ enum { LONGEST_STEP = 65536 };
 static inline csp_party *run(csp_kernel *csp, csp_party *party)
 {
     CSP_NOTE(csp->current, party);
-    csp_measure_party(party->number);
+    csp_measure_party(csp, party->number);
     return party->step(csp, party);
 }
 
@@ -56,12 +56,12 @@ bool csp_run_ready(csp_kernel *csp, uint32_t *steps)
             break;
         }
         left--;
-        csp_measure_begin();
+        csp_measure_begin(csp);
         csp_party *const following = run(csp, party);
         if (following != NULL) {
             run_on(csp, following);
         }
-        csp_measure_end();
+        csp_measure_end(csp);
     }
     CSP_NOTE(csp->current, NULL);
     *steps = left;

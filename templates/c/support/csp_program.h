@@ -64,6 +64,9 @@ typedef struct csp_hooks {
     void (*wake)(void *context);                 /* an event or a request to stop has come, maybe from an interrupt handler */
     void (*alive)(void *context);                /* once in each turn, for a watchdog */
     void (*met)(void *context, int64_t instant); /* in real time: this instant is going to be executed */
+    uint32_t (*cycles)(void *context);           /* with CSP_MEASURE: a counter of cycles of the processor, which may overflow */
+    /* With CSP_MEASURE: how long a step of a process took, by its number from 1, or for 0 all work at an instant. */
+    void (*measured)(void *context, uint32_t process, uint32_t cycles);
     int64_t grid; /* nanoseconds between polls of events without an environment; 0: the greatest common divisor of the periods */
 } csp_hooks;
 

@@ -339,15 +339,17 @@ static uint32_t running[DEEPEST];
 static uint32_t running_count;
 static int64_t began;
 
-void csp_measure_begin(void)
+void csp_measure_begin(csp_kernel *csp)
 {
+    (void)csp;
     running_count = 0;
     reporting = 0;
     began = time_used();
 }
 
-void csp_measure_party(uint32_t number)
+void csp_measure_party(csp_kernel *csp, uint32_t number)
 {
+    (void)csp;
     if (running_count < (uint32_t)DEEPEST) {
         running[running_count] = number;
         running_count++;
@@ -369,8 +371,9 @@ static void make_room(uint32_t number)
     }
 }
 
-void csp_measure_end(void)
+void csp_measure_end(csp_kernel *csp)
 {
+    (void)csp;
     const int64_t took = time_used() - began - reporting;
     for (uint32_t index = 0; index < running_count; index++) {
         make_room(running[index]);

@@ -300,13 +300,41 @@ static void exchange(void)
     show(self, state, &devices);
 }
 
+/* A counter of which every reading takes ten cycles. */
+static uint32_t ten_cycles(void *context)
+{
+    (void)context;
+    static uint32_t counter = UINT32_MAX - 100U; /* it overflows */
+    counter += 10U;
+    return counter;
+}
+
+static void put(void *context, const char *text)
+{
+    (void)fputs(text, context);
+}
+
+static void measure(void)
+{
+    static machine_times times;
+    machine_hooks hooks = hooks_of(&devices);
+    hooks.cycles = ten_cycles;
+    hooks.times = &times;
+    machine_instance *const self = machine_begin(&memory, sizeof memory, &hooks, NULL);
+    for (int64_t now = 0; now < 100; now++) {
+        (void)machine_advance(self, now * MS, 1U + (uint32_t)(now % 2));
+    }
+    (void)fprintf(stderr, "instant %u\n", (unsigned)times.instant);
+    machine_write_times(&times, 1000000U, put, stdout);
+}
+
 int main(int count, char **arguments)
 {
     static const struct {
         const char *name;
         void (*run)(void);
     } parts[] = {{"refuse", refuse}, {"run", run}, {"reset", reset}, {"late", be_late}, {"bad", sample_badly},
-                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"resume", resume}};
+                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"resume", resume}, {"measure", measure}};
     for (size_t index = 0U; index < sizeof parts / sizeof parts[0]; index++) {
         if ((count > 1) && (strcmp(arguments[1], parts[index].name) == 0)) {
             parts[index].run();

@@ -20,6 +20,9 @@ from cspdiag.codegen.shared.render import Render
 from cspdiag.model.types import ArrayType, EnumType, StructType
 from cspdiag.network.ir.network import ExternalPort, Network
 
+DEEPEST = 6
+"""CSP_DEEPEST of the kernel."""
+
 
 @record
 class ApiText:
@@ -31,6 +34,10 @@ class ApiText:
     size: int
     build: str
     """Eight characters that identify the program and its kernel."""
+    processes: int
+    """The number of processes that are measured, numbered from 1."""
+    measured: str
+    """What is measured: each `process`, or a `thread` with those that the optimizer has inlined into it."""
     own_types: bool
     """Whether ports have types that the program defines."""
     inputs: bool
@@ -52,6 +59,8 @@ class Interface:
     network: Network
     names: PackageNames
     types: CTypes
+    inlined: bool
+    """Whether processes may be inlined into others."""
 
     @property
     def prefix(self) -> str:
@@ -91,13 +100,15 @@ class Interface:
         kinds += [(port, "EVENT") for port in self.events]
         return {port.key: self.names.public_constant(f"{kind}_{port.key}") for port, kind in kinds}
 
-    def text(self, size: int, build: str) -> ApiText:
-        """What the templates are given, for instances of at most ``size`` bytes."""
+    def text(self, size: int, build: str, processes: int) -> ApiText:
+        """What the templates are given, for instances of at most ``size`` bytes with ``processes``."""
         return ApiText(
             name=self.prefix,
             top=self.network.top,
             size=size,
             build=build,
+            processes=processes,
+            measured="thread" if self.inlined else "process",
             own_types=self.own_types,
             inputs=bool(self.inputs),
             outputs=bool(self.outputs),
@@ -268,17 +279,21 @@ def interface_files(
     render: Render,
 ) -> dict[str, str]:
     """The header and the source; ``files`` identify the program, ``headers`` are all headers of package and kernel."""
-    first = interface.text(0, "")
+    processes = _number("network_process_count = ", files["network_names.c"])
+    first = interface.text(0, "", processes)
     texts = [*headers, render("api.h.j2", api=first), first.instance]
-    layout = Layout(texts, {"CSP_LEVELS": _levels(files["csp_config.h"])})
+    layout = Layout(
+        texts, {"CSP_LEVELS": _number("#define CSP_LEVELS ", files["csp_config.h"]), "CSP_DEEPEST": DEEPEST}
+    )
     build = crc32("\0".join(text for _, text in sorted(files.items())).encode())
-    api = interface.text(layout.size(f"{first.name}_instance"), f"{build:08x}")
+    api = interface.text(layout.size(f"{first.name}_instance"), f"{build:08x}", processes)
     classes = {name for name in interface.names.classes.values() if f"{name}.h" in files}
     own = {f"{api.name}_api.h": render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
     return {**own, **pointer_files(layout, classes)}
 
 
-def _levels(configuration: str) -> int:
-    found = re.search(r"#define CSP_LEVELS (\d+)U", configuration)
+def _number(before: str, text: str) -> int:
+    """The number after a text of a generated file."""
+    found = re.search(rf"{re.escape(before)}(\d+)U", text)
     assert found is not None
     return int(found[1])

@@ -121,7 +121,7 @@ def _lowered(network: CoreNetwork, level: int, observed: bool) -> Network:
 
 @record
 class Package:
-    """The files of a usual package, by path from its folder; ``by_hand`` are those of bodies in C."""
+    """The files of a usual package, by path from its folder; ``by_hand`` are those of processes and laws in C."""
 
     files: dict[str, str]
     by_hand: Collection[str]
@@ -200,7 +200,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     texts = {**support, **files}
     headers = [text for path, text in texts.items() if path.endswith(".h")]
     identifying = {path: text for path, text in texts.items() if path != "main_simulation.c"}
-    interface = Interface(lowered, names, types)
+    interface = Interface(lowered, names, types, inlined=options.level > 0)
     step_files = interface_files(interface, identifying, headers, render)
     files.update(step_files)
     program = sorted([*program, *(path for path in step_files if path.endswith(".c"))])
@@ -245,7 +245,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     files[PARTS] = parts_header(files[PARTS], sources)
     files.update({path: first_included(path, text) for path, text in by_hand.items() if path.endswith(".c")})
     library = Library(project.package, project.top, project.source, one_line(description))
-    return Package(files, by_hand.keys(), project, library, interface)
+    return Package(files, by_hand.keys() - devices.keys(), project, library, interface)
 
 
 def _simulation(files: Mapping[str, str], program: list[str]) -> list[str]:

@@ -89,12 +89,14 @@ FILES = (
 _INTERFACE = words(
     """
     memory instance input inputs output outputs event hooks state begin advance continues next hand_over finish
-    release stop save restore describe api types build size_suffices
+    release stop save restore describe times write_times api types build size_suffices
     """
 )
 """What names of the interface end with, after the name of the package."""
 
-_INTERFACE_CONSTANTS = words("SIZE API_H TYPES_H MORE BUDGET REFUSED ENDED FAILED DEADLOCK STOPPED IN OUT EVENT")
+_INTERFACE_CONSTANTS = words(
+    "SIZE PROCESSES API_H TYPES_H MORE BUDGET REFUSED ENDED FAILED DEADLOCK STOPPED IN OUT EVENT"
+)
 """The same for its constants and macros."""
 
 _NETWORK_NAMES = words("external present brought port_table process_name channel_name exception_names copy_name")

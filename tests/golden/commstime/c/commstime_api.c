@@ -42,6 +42,24 @@ static void alive(void *context)
     }
 }
 
+#if CSP_MEASURE
+static uint32_t cycles(void *context)
+{
+    const commstime_instance *const self = context;
+    return self->hooks.cycles(self->hooks.context);
+}
+
+static void measured(void *context, uint32_t process, uint32_t took)
+{
+    const commstime_instance *const self = context;
+    commstime_times *const times = self->hooks.times;
+    uint32_t *const longest = (process == 0U) ? &times->instant : &times->process[process - 1U];
+    if ((process <= COMMSTIME_PROCESSES) && (took > *longest)) {
+        *longest = took;
+    }
+}
+#endif
+
 static void connect(commstime_instance *self)
 {
     const struct network_drivers drivers = {0};
@@ -94,6 +112,12 @@ commstime_instance *commstime_begin(void *memory, size_t size,
     self->kernel_hooks.real_time = given.real_time;
     self->kernel_hooks.wake = wake;
     self->kernel_hooks.alive = alive;
+#if CSP_MEASURE
+    if ((given.cycles != NULL) && (given.times != NULL)) {
+        self->kernel_hooks.cycles = cycles;
+        self->kernel_hooks.measured = measured;
+    }
+#endif
     (void)memcpy(self->build, build, sizeof build);
     self->program = &network_program;
     self->place = self;
@@ -260,4 +284,30 @@ void commstime_describe(commstime_instance *self, char *text, size_t size)
         csp_append(text, size, "running");
         break;
     }
+}
+
+void commstime_write_times(const commstime_times *times, uint32_t hertz,
+    void (*put)(void *context, const char *text), void *context)
+{
+    put(context, "{\"executionTimes\": {");
+#if CSP_MEASURE
+    bool others = false;
+    for (uint32_t index = 0U; index < COMMSTIME_PROCESSES; index++) {
+        if (times->process[index] > 0U) {
+            char number[24] = "";
+            const uint64_t scaled = (uint64_t)times->process[index] * UINT64_C(1000000000);
+            csp_append_integer(number, sizeof number, (int64_t)((scaled + hertz - 1U) / hertz));
+            put(context, others ? ",\n  \"" : "\n  \"");
+            put(context, network_process_names[index + 1U]);
+            put(context, "\": {\"longest\": ");
+            put(context, number);
+            put(context, "e-9, \"what\": \"process\"}");
+            others = true;
+        }
+    }
+#else
+    (void)times;
+    (void)hertz;
+#endif
+    put(context, "\n}}\n");
 }

@@ -28,7 +28,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define COMMSTIME_SIZE 1016U
+#define COMMSTIME_SIZE 1088U
 typedef union commstime_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -37,6 +37,15 @@ typedef union commstime_memory {
 } commstime_memory;
 
 typedef struct commstime_instance commstime_instance;
+
+/* The longest execution times, in cycles: a step of each process, from one wait to the next, and all
+ * work at one instant, with your hooks. They stay when a run begins.
+ */
+#define COMMSTIME_PROCESSES 5U
+typedef struct commstime_times {
+    uint32_t process[COMMSTIME_PROCESSES];
+    uint32_t instant;
+} commstime_times;
 
 /* What the program asks of you. `context` is passed to all functions. */
 typedef struct commstime_hooks {
@@ -53,6 +62,11 @@ typedef struct commstime_hooks {
     void (*wake)(void *context);
     /* Called at least once in each step, for a watchdog. May be NULL. */
     void (*alive)(void *context);
+    /* If sources are compiled with -DCSP_MEASURE=1: a counter of the processor's cycles, which may
+     * overflow, and where the longest times are stored. May be NULL.
+     */
+    uint32_t (*cycles)(void *context);
+    commstime_times *times;
 } commstime_hooks;
 
 typedef enum commstime_state {
@@ -118,6 +132,12 @@ bool commstime_restore(commstime_instance *self, const commstime_memory *copy);
  * including the terminating 0.
  */
 void commstime_describe(commstime_instance *self, char *text, size_t size);
+
+/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if sources
+ * are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
+ */
+void commstime_write_times(const commstime_times *times, uint32_t hertz,
+    void (*put)(void *context, const char *text), void *context);
 
 #ifdef __cplusplus
 }

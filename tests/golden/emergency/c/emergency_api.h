@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define EMERGENCY_SIZE 1800U
+#define EMERGENCY_SIZE 1872U
 typedef union emergency_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -65,6 +65,15 @@ typedef enum emergency_event {
     EMERGENCY_EVENT_PANEL
 } emergency_event;
 
+/* The longest execution times, in cycles: a step of each process, from one wait to the next, and all
+ * work at one instant, with your hooks. They stay when a run begins.
+ */
+#define EMERGENCY_PROCESSES 1U
+typedef struct emergency_times {
+    uint32_t process[EMERGENCY_PROCESSES];
+    uint32_t instant;
+} emergency_times;
+
 /* What the program asks of you. `context` is passed to all functions. */
 typedef struct emergency_hooks {
     void *context;
@@ -94,6 +103,11 @@ typedef struct emergency_hooks {
     void (*wake)(void *context);
     /* Called at least once in each step, for a watchdog. May be NULL. */
     void (*alive)(void *context);
+    /* If sources are compiled with -DCSP_MEASURE=1: a counter of the processor's cycles, which may
+     * overflow, and where the longest times are stored. May be NULL.
+     */
+    uint32_t (*cycles)(void *context);
+    emergency_times *times;
 } emergency_hooks;
 
 typedef enum emergency_state {
@@ -159,6 +173,12 @@ bool emergency_restore(emergency_instance *self, const emergency_memory *copy);
  * including the terminating 0.
  */
 void emergency_describe(emergency_instance *self, char *text, size_t size);
+
+/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if sources
+ * are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
+ */
+void emergency_write_times(const emergency_times *times, uint32_t hertz,
+    void (*put)(void *context, const char *text), void *context);
 
 /* Events. Each function may be called from anywhere; the event occurs at the next step, and of
  * several before it the last counts. True: it has overwritten one. The function of a port whose

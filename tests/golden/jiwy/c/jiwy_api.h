@@ -28,7 +28,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define JIWY_SIZE 9120U
+#define JIWY_SIZE 9192U
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -67,6 +67,15 @@ typedef enum jiwy_event {
     JIWY_EVENT_JOYSTICK_BUTTONS
 } jiwy_event;
 
+/* The longest execution times, in cycles: a step of each process, from one wait to the next, and all
+ * work at one instant, with your hooks. They stay when a run begins.
+ */
+#define JIWY_PROCESSES 11U
+typedef struct jiwy_times {
+    uint32_t process[JIWY_PROCESSES];
+    uint32_t instant;
+} jiwy_times;
+
 /* What the program asks of you. `context` is passed to all functions. */
 typedef struct jiwy_hooks {
     void *context;
@@ -96,6 +105,11 @@ typedef struct jiwy_hooks {
     void (*wake)(void *context);
     /* Called at least once in each step, for a watchdog. May be NULL. */
     void (*alive)(void *context);
+    /* If sources are compiled with -DCSP_MEASURE=1: a counter of the processor's cycles, which may
+     * overflow, and where the longest times are stored. May be NULL.
+     */
+    uint32_t (*cycles)(void *context);
+    jiwy_times *times;
 } jiwy_hooks;
 
 typedef enum jiwy_state {
@@ -161,6 +175,12 @@ bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy);
  * including the terminating 0.
  */
 void jiwy_describe(jiwy_instance *self, char *text, size_t size);
+
+/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if sources
+ * are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
+ */
+void jiwy_write_times(const jiwy_times *times, uint32_t hertz,
+    void (*put)(void *context, const char *text), void *context);
 
 /* Events. Each function may be called from anywhere; the event occurs at the next step, and of
  * several before it the last counts. True: it has overwritten one. The function of a port whose
