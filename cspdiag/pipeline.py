@@ -122,13 +122,14 @@ def check(
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
+    from cspdiag.model.names.described import with_described_ports
     from cspdiag.model.names.imports import load
     from cspdiag.model.names.resolve import resolve
     from cspdiag.syntax.on_demand import parsed
     from cspdiag.syntax.parse.soundness import part_without_errors
 
     report = Report()
-    trees = load(main, read, report, parse or parsed)
+    trees = with_described_ports(load(main, read, report, parse or parsed))
     if not trees:
         return Checked(program=None, report=report, real=real)
     broken = [found for found in report.diagnostics if not isinstance(found, ImportFailure)]

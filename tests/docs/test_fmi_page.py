@@ -27,7 +27,8 @@ def test_the_tank_is_exported_and_simulated(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setenv("CFLAGS", "-O0")
     (tmp_path / "tank.csp").write_text(block("csp", "process Tank"))
     commands = [
-        shlex.split(line, comments=True) for line in re.findall(r"^    ((?:cspdiag compile|fmpy) .*)$", PAGE, re.M)
+        shlex.split(line, comments=True)
+        for line in re.findall(r"^    ((?:cspdiag (?:compile|run)|fmpy) .*)$", PAGE, re.M)
     ]
     assert [command[0] for command in commands[:4]] == ["cspdiag", "cspdiag", "fmpy", "fmpy"]
     for command in commands[:4]:
@@ -44,3 +45,8 @@ def test_the_tank_is_exported_and_simulated(tmp_path: Path, monkeypatch: pytest.
     done = subprocess.run([sys.executable, "loop.py"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("[1.")
+    (tmp_path / "loop.csp").write_text(block("csp", "AsFmu"))
+    runs = [command for command in commands[4:] if command[1] == "run"]
+    assert len(runs) == 2
+    for command in runs:
+        assert main(command[1:]) == 0

@@ -7,6 +7,7 @@ from uuid import NAMESPACE_URL, uuid5
 
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record, replaced
+from cspdiag.codegen.c.laws.fmus import fmu_calls
 from cspdiag.codegen.c.network.environments import EnvironmentFiles
 from cspdiag.codegen.c.package.includes import with_headers
 from cspdiag.codegen.c.package.layouts import CONTRACTION_OFF, OWNERS, SUPPORT
@@ -17,6 +18,7 @@ from cspdiag.codegen.fmi.description import Model, build_description, model_desc
 from cspdiag.codegen.fmi.variables import Clock, Variable, c_type, scalars
 from cspdiag.codegen.options import Options
 from cspdiag.codegen.shared.render import renderer
+from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import ArrayType, EnumType, IntType, StructType
 from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort
@@ -24,9 +26,6 @@ from cspdiag.network.ir.zero import zero
 
 SOURCES = "sources/"
 """The folder of the sources in an FMU."""
-
-_PLANT = ("csp_arithmetic.c", "csp_fault_text.c", "csp_linear.c", "csp_text.c")
-"""What a plant needs of the kernel."""
 
 
 @record
@@ -121,8 +120,14 @@ def _program(package: Package, options: Options) -> dict[str, str]:
 def _plant(package: Package, options: Options) -> dict[str, str]:
     environment = next(entry for entry in package.network.environments if entry.name == options.plant)
     refuse_devices(environment)
+    for item in fmu_calls(environment):
+        raise TargetError(
+            f"{item.external.span}: the environment has an FMU, which cannot be in another FMU\n"
+            "  help: use both in your simulator"
+        )
     writer = EnvironmentFiles(environment, package.network, package.names, package.types)
-    own = [f"{writer.name}.c", *(f"{SUPPORT}/{name}" for name in _PLANT)]
+    kernel = [path for path in package.project.kernel if not path.endswith(OWNERS)]
+    own = [f"{writer.name}.c", f"{SUPPORT}/csp_linear.c", *kernel]
     sources = _sources(package, [*own, *(path for path in package.by_hand if path.endswith(".c"))])
     token = _token([*sources.values(), options.fmi])
     variables = list(_plant_variables(package, environment, writer))

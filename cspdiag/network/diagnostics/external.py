@@ -16,14 +16,12 @@ class UnsupportedLanguage(Diagnostic):
 
     @property
     def message(self) -> str:
-        if self.language == "fmu":
-            return "functional mock-up units are not supported yet"
         return f"the body of a {self.kind} cannot be written in `{self.language}`"
 
     @property
     def help(self) -> str:
         if self.language == "fmu":
-            return 'wrap it in a Python class, for example with FMPy: `python "joint.py:Joint"`'
+            return "name an FMU in a submodel, and use that in an environment"
         return 'write `python "module.py:Class"`' + (
             ', `c "file.c"` or `device "NAME"`' if self.kind == "driver" else ' or `c "file.c"`'
         )
@@ -39,10 +37,14 @@ class MalformedTarget(Diagnostic):
 
     @property
     def message(self) -> str:
+        if self.language == "fmu":
+            return f'"{self.target}" does not name an FMU'
         return f'"{self.target}" does not name a body in {self.language.capitalize()}'
 
     @property
     def help(self) -> str:
+        if self.language == "fmu":
+            return 'write `fmu "file.fmu"`, or `fmu "file.fmu:ModelExchange"` for one of its interfaces'
         if self.language == "c":
             return 'write `c "file.c"`, with letters, digits, `_`, `.`, `+` and `-` in the name of the file'
         return 'write `python "module.py:Class"`'
@@ -75,3 +77,39 @@ class MixedBody(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.definition}` has an external body, and so only ports, no equations or diagrams"
+
+
+@record
+class UnusableFmu(Diagnostic):
+    code = "E0840"
+    title = "an FMU that cannot be used"
+
+    problem: str
+    advice: str
+
+    @property
+    def message(self) -> str:
+        return self.problem
+
+    @property
+    def help(self) -> str:
+        return self.advice
+
+
+@record
+class FmuInProcess(Diagnostic):
+    code = "E0841"
+    title = "an FMU in a process"
+
+    submodel: str
+    process: str
+
+    @property
+    def message(self) -> str:
+        return f"`{self.submodel}` is an FMU, and a part of the process `{self.process}`"
+
+    @property
+    def help(self) -> str:
+        return (
+            "FMUs are parts of environments: they are models of plants, and programs run without the tools behind them"
+        )

@@ -15,13 +15,17 @@ from cspdiag.network.ir.expressions import Expression
 
 @record(kw_only=True)
 class ExternalBody:
-    """A body in another language: ``target`` is ``module.py:Class``, a C file or the name of a device, and ``span`` is
-    where it is named.
+    """A body in another language: ``target`` is ``module.py:Class``, a C file, an FMU or the name of a device, and
+    ``span`` is where it is named.
+
+    ``method`` and ``step``, in nanoseconds, are those of the integration of an FMU for model exchange.
     """
 
     language: str
     target: str
     span: Span
+    method: str = "rk4"
+    step: int | None = None
 
 
 @record(kw_only=True)

@@ -9,6 +9,7 @@ from keyword import iskeyword
 
 from cspdiag.base import Report
 from cspdiag.base.record import record
+from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.program import Program
 from cspdiag.network.checks.devices import check_device
 from cspdiag.network.diagnostics.external import DriverWithoutBody, MalformedTarget, MixedBody, UnsupportedLanguage
@@ -23,6 +24,7 @@ _TARGETS = {
     "python": re.compile(rf"(?P<file>{_FOLDERS}[^:*?\"<>|\x00-\x1f/]+\.py|{_NAME}(?:[./]{_NAME})*):(?P<name>{_NAME})"),
     # A file that is copied under its own name, which appears in makefiles.
     "c": re.compile(rf"(?P<file>{_FOLDERS}[A-Za-z0-9_][A-Za-z0-9_.+-]*\.c)"),
+    "fmu": re.compile(rf"(?P<file>{_FOLDERS}[^:*?\"<>|\x00-\x1f/]+\.fmu)(?::(?P<name>CoSimulation|ModelExchange))?"),
 }
 Owner = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
 
@@ -62,8 +64,8 @@ def _parts(pattern: re.Pattern[str], target: str) -> re.Match[str] | None:
     found = pattern.fullmatch(target)
     if found is None:
         return None
-    file, name = found["file"], found.groupdict().get("name", "")
-    module = [] if file.endswith((".py", ".c")) else re.split("[./]", file)
+    file, name = found["file"], found.groupdict().get("name") or ""
+    module = [] if file.endswith((".py", ".c", ".fmu")) else re.split("[./]", file)
     return None if any(map(iskeyword, (*module, name))) else found
 
 
@@ -90,10 +92,14 @@ def check(program: Program, report: Report) -> None:
             check_device(program, definition, external, report)
             continue
         pattern = _TARGETS.get(language)
-        if pattern is None:
+        if pattern is None or (kind != "submodel" and language == LANGUAGE):
             report.add(UnsupportedLanguage(external.language.span, language, kind))
         elif not _parts(pattern, external.target):
             report.add(MalformedTarget(external.target_span, language, external.target))
+        elif language == LANGUAGE and isinstance(definition, ast.SubmodelDefinition):
+            from cspdiag.network.checks.fmus import check_fmu
+
+            check_fmu(program, definition, external, report)
         if _has_own_body(definition):
             report.add(MixedBody(external.span, definition.name.text))
 

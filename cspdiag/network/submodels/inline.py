@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import get_args
 
 from cspdiag.base import Report
+from cspdiag.base.record import replaced
 from cspdiag.model.diagnostics.equations import MissingEquation, UnconnectedInput
+from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.program import Program
 from cspdiag.model.types import UNKNOWN, ArrayType, Type, UnknownType
 from cspdiag.network.diagnostics.operators import UnknownMethod
@@ -238,16 +240,33 @@ class Inlining(SubmodelSignals):
         outputs = tuple((key.removeprefix(self.prefix), key, kind) for _, key, kind in self.ports("out"))
         arguments = [(p.name.text, self.parameters[p]) for p in self.definition.parameters if p in self.parameters]
         key = self.prefix.removesuffix(".")
+        body = external_body(external)
+        if body.language == LANGUAGE:
+            body = replaced(body, **self._integration())
         draft.equations[key] = ExternalCall(
             name=key,
             doc=self.definition.doc,
             span=external.span,
-            external=external_body(external),
+            external=body,
             definition=self.definition.name.text,
             arguments=tuple(arguments),
             inputs=tuple(inputs),
             outputs=outputs,
         )
+
+    def _integration(self) -> dict[str, str | int]:
+        """How an FMU for model exchange is integrated."""
+        found: dict[str, str | int] = {}
+        if self.definition.method is not None:
+            if self.definition.method.text not in ("rk4", "euler"):
+                self.report.add(UnknownMethod(self.definition.method.span, self.definition.method.text))
+            found["method"] = self.definition.method.text
+        step = None if self.definition.step is None else self.draft.value_of(self.constant(self.definition.step))
+        if isinstance(step, int) and step <= 0 and self.definition.step is not None:
+            self.report.add(IntegrationStepNotPositive(self.definition.step.span))
+        elif isinstance(step, int):
+            found["step"] = step
+        return found
 
     def _is_operator(self, expression: ast.Call) -> bool:
         symbol = self.program.bindings.get(expression.function)

@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -129,7 +130,8 @@ class Build:
 
     def library(self) -> Path:
         """The same of a shared library, whose sources have to be compiled as position-independent code."""
-        return self._linked(("-shared",), "")
+        whole = ("-Wl,--no-undefined",) if sys.platform == "linux" else ()
+        return self._linked(("-shared", *whole), "")
 
     def _linked(self, options: tuple[str, ...], script: str) -> Path:
         digests = {path: self.digest(path) for path in self.sources}
@@ -146,7 +148,7 @@ class Build:
 
     def _libraries(self, scratch: Path) -> tuple[str, ...]:
         if self.toolchain is None:
-            return ("-lm", "-pthread")
+            return ("-lm", "-pthread", "-ldl")
         script = scratch / "memory.ld"
         script.write_text(self.files[self.toolchain.script], encoding="utf-8")
         return (*self.toolchain.libraries, "-T", str(script))

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import OR, SUM, Code, address, call, cast, code, infix, negated
+from cspdiag.codegen.c.text.code import CSP, OR, SUM, Code, address, call, cast, code, infix, negated, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, return_if, run, store
 from cspdiag.codegen.shared.equations import Equation
+from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import RealType, is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
@@ -106,7 +107,12 @@ class EquationWriter:
         statements: list[Statement] = []
         for port, value in called.inputs:
             statements += self.assign(body.field(types.field(port)), value, place)
-        statements.append(run(call(f"{self.body_name(called)}_calculate", address(body))))
+        if called.external.language == LANGUAGE:
+            time = call("csp_seconds", own("now"))
+            statements.append(run(call(f"{self.body_name(called)}_calculate", CSP, address(body), time)))
+            statements += self.check(place) or record_fault_place(place)
+        else:
+            statements.append(run(call(f"{self.body_name(called)}_calculate", address(body))))
         for port, local, _ in called.outputs:
             statements.append(set_to(target(local), body.field(types.field(port))))
         return statements

@@ -10,6 +10,7 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.api import Interface, interface_files
 from cspdiag.codegen.c.laws.by_hand import checks_file
 from cspdiag.codegen.c.laws.external import device_files, external_files
+from cspdiag.codegen.c.laws.fmus import fmu_files
 from cspdiag.codegen.c.laws.laws import law_files
 from cspdiag.codegen.c.network.environments import environment_files
 from cspdiag.codegen.c.network.network import network_files
@@ -190,6 +191,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     if can_simulate:
         for environment in environments:
             files.update(environment_files(environment, lowered, names, types))
+            files.update(fmu_files(environment, types))
             rows.append(f"`{names.environments[environment.name]}.c` | the environment `{environment.name}`")
         main = Simulation(network.top, [_scenario(entry, names) for entry in environments])
         files["main_simulation.c"] = render("main_simulation.c.j2", main=main)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import TextType
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_calls
@@ -50,6 +51,8 @@ def _bodies(network: Network) -> Iterator[tuple[str, str, ExternalBody]]:
     environments = (environment for environment in network.environments if not foreign_devices(environment))
     for owner in (*network.classes, *environments):
         for call in external_calls(owner):
+            if call.external.language == LANGUAGE and isinstance(owner, Environment):
+                continue
             yield "submodel", call.definition, call.external
 
 

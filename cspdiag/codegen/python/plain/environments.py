@@ -198,7 +198,8 @@ class EnvironmentWriter:
         for item in self._calls():
             printer = self._printer(())
             given = {name: printer.print(value) for name, value in item.arguments}
-            made = self.modules.construct(item.external, given, self.imports)
+            outputs = [port for port, _, _ in item.outputs]
+            made = self.modules.construct(item.external, given, self.imports, outputs)
             statements.append(assign(own(self.names[item.name]), made))
         mapping, driver_type = self.imports.standard("collections.abc", "Mapping"), self.imports.runtime("Driver")
         type_ = f"{mapping}[str, {driver_type}]"

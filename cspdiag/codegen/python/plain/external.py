@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import posixpath
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -11,13 +12,28 @@ from typing import Literal
 
 from cspdiag.base.record import record, replaced
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.text.code import Argument, Call, Code, Comprehension, Name, call, own
+from cspdiag.codegen.python.text.code import (
+    Argument,
+    Call,
+    Code,
+    Comprehension,
+    Constant,
+    Entry,
+    Items,
+    Name,
+    WholeNumber,
+    call,
+    own,
+    tuple_of,
+)
 from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.names import Names, identifier
 from cspdiag.codegen.python.text.statements import Statement, assign, unpack
 from cspdiag.codegen.python.text.types import accepted
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.devices.catalogue import DEVICES, Device
+from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import Type, has_single
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
 from cspdiag.network.ir.external import devices_in_c, external_bodies
@@ -58,6 +74,8 @@ class ExternalModules:
         if body.language == "device":
             device = DEVICES[body.target]
             return Body(device.module, device.class_, folder="devices", has_reset=False, takes_time=False)
+        if body.language == LANGUAGE:
+            return Body("cspdiag.fmu.running", "Fmu", folder="", has_reset=True, takes_time=True)
         if body.language != "python":
             raise TargetError(f"{body.span}: the Python target cannot run a body in {body.language}")
         file, _, name = body.target.rpartition(":")
@@ -77,9 +95,21 @@ class ExternalModules:
             takes_time="time" in methods.get("calculate", ()),
         )
 
-    def construct(self, body: ExternalBody, given: Mapping[str, Code], imports: Imports) -> Code:
-        """A call of the constructor, with the parameters as keywords."""
+    def construct(
+        self, body: ExternalBody, given: Mapping[str, Code], imports: Imports, outputs: Iterable[str] = ()
+    ) -> Code:
+        """A call of the constructor, with the parameters as keywords. An FMU is also given its file and its outputs."""
         arguments = tuple(Argument(value, identifier(name)) for name, value in given.items())
+        if body.language == LANGUAGE:
+            path, _, interface = body.target.partition(":")
+            place = os.path.abspath(posixpath.join(posixpath.dirname(body.span.file), path))
+            integration = () if body.step is None else (Argument(WholeNumber(body.step), "step"),)
+            if body.method != "rk4":
+                integration = (*integration, Argument(Constant(quoted(body.method)), "method"))
+            ports = tuple_of(Constant(quoted(name)) for name in outputs)
+            named = Items("{}", tuple(Entry(quoted(name), value) for name, value in given.items()))
+            first = (Argument(Constant(quoted(place))), Argument(Constant(quoted(interface))), Argument(ports))
+            arguments = (*first, *((Argument(named),) if given else ()), *integration)
         return Call(Name(self.imported(body, imports)), arguments)
 
     def imported(self, body: ExternalBody, imports: Imports) -> str:

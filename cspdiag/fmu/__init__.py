@@ -1,0 +1,1 @@
+"""FMUs of other tools, as parts of an environment: what their archives say, and how they run."""

@@ -1,0 +1,203 @@
+"""The functions of an instance of an FMU, the same for both versions of FMI. fmpy loads the library and calls it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from cspdiag.base.record import record
+from cspdiag.fmu.description import FmuDescription, FmuError, FmuVariable, read_description
+from cspdiag.fmu.extracted import binary, extracted
+
+Value = float | int | bool
+
+
+@record
+class Update:
+    """What the discrete states of an FMU say after an event."""
+
+    terminates: bool
+    next_event: float | None
+
+
+class Library:
+    """One instance. All methods raise FmuError where the FMU returns an error, with its messages."""
+
+    def __init__(self, path: str, *, model_exchange: bool) -> None:
+        self.path = path
+        self.description: FmuDescription = read_description(path)
+        self._model_exchange = model_exchange
+        self._messages: list[str] = []
+        self._is_new = self.description.version == "3.0"
+        identifier = self.description.model_exchange if model_exchange else self.description.co_simulation
+        assert identifier is not None
+        binary(path, self.description, identifier)
+        self._fmu = self._instance(extracted(path), identifier)
+        count, indicators = self.description.states, self.description.indicators
+        from ctypes import c_double
+
+        self._states, self._slopes = (c_double * count)(), (c_double * count)()
+        self._indicators = (c_double * indicators)()
+
+    def _instance(self, folder: str, identifier: str) -> Any:
+        try:
+            from fmpy.fmi2 import FMU2Model, FMU2Slave
+            from fmpy.fmi3 import FMU3Model, FMU3Slave
+        except ImportError:
+            raise FmuError(f"{self.path} needs fmpy, which is not installed", "pip install cspdiag[fmi]") from None
+        classes = (FMU3Slave, FMU3Model) if self._is_new else (FMU2Slave, FMU2Model)
+        class_ = classes[1 if self._model_exchange else 0]
+        facts = {
+            "guid": self.description.token,
+            "modelIdentifier": identifier,
+            "unzipDirectory": folder,
+            "instanceName": self.description.name,
+        }
+        try:
+            fmu = class_(**facts)
+            if self._is_new:
+                fmu.instantiate(logMessage=lambda _, status, category, text: self._messages.append(_text(text)))
+            else:
+                self._callbacks = _callbacks(self._messages)
+                fmu.instantiate(callbacks=self._callbacks)
+        except Exception as problem:
+            raise FmuError(
+                self._with_message(f"{self.path} cannot be loaded: {problem}"), "try it with fmpy simulate"
+            ) from None
+        return fmu
+
+    def _with_message(self, text: str) -> str:
+        message = " ".join(" ".join(self._messages[-1:]).split())
+        self._messages.clear()
+        return f"{text}: {message}" if message else text
+
+    def _call(self, doing: str, function: Callable[..., Any], *arguments: Any) -> Any:
+        from fmpy.fmi1 import FMICallException
+
+        try:
+            return function(*arguments)
+        except FMICallException as problem:
+            text = f"{self.path} returned {_STATUS.get(problem.status, problem.status)} in {problem.function}, {doing}"
+            raise FmuError(self._with_message(text), "") from None
+
+    # ---- Life
+
+    def initialize(self, start: float, given: Sequence[tuple[FmuVariable, Value]]) -> None:
+        """Initializes the instance with values of parameters and inputs."""
+        doing = "at the start"
+        if self._is_new:
+            self._give(doing, [item for item in given if item[0].causality == "parameter"])
+            self._call(doing, lambda: self._fmu.enterInitializationMode(startTime=start))
+        else:
+            self._call(doing, lambda: self._fmu.setupExperiment(startTime=start))
+            self._give(doing, [item for item in given if item[0].causality == "parameter"])
+            self._call(doing, self._fmu.enterInitializationMode)
+        self._give(doing, [item for item in given if item[0].causality != "parameter"])
+        self._call(doing, self._fmu.exitInitializationMode)
+
+    def free(self) -> None:
+        """Ends the instance."""
+        self._fmu.freeInstance()
+
+    # ---- Values
+
+    def give(self, time: float, given: Sequence[tuple[FmuVariable, Value]]) -> None:
+        """Sets variables."""
+        self._give(f"at {time:.9g} s", given)
+
+    def _give(self, doing: str, given: Sequence[tuple[FmuVariable, Value]]) -> None:
+        for variable, value in given:
+            self._call(doing, getattr(self._fmu, f"set{self._kind(variable)}"), [variable.reference], [value])
+
+    def take(self, time: float, variables: Sequence[FmuVariable]) -> list[Value]:
+        """Gets variables."""
+        doing = f"at {time:.9g} s"
+        return [self._call(doing, getattr(self._fmu, f"get{self._kind(v)}"), [v.reference])[0] for v in variables]
+
+    def _kind(self, variable: FmuVariable) -> str:
+        if variable.type == "Enumeration":
+            return "Int64" if self._is_new else "Integer"
+        return variable.type
+
+    # ---- Co-simulation
+
+    def step(self, time: float, length: float) -> None:
+        """A step from ``time``."""
+        self._call(f"in the step from {time:.9g} s to {time + length:.9g} s", self._fmu.doStep, time, length)
+
+    # ---- Model exchange
+
+    def update(self, time: float) -> Update:
+        """Updates the discrete states in event mode, until nothing changes."""
+        doing = f"at the event of {time:.9g} s"
+        update = self._fmu.updateDiscreteStates if self._is_new else self._fmu.newDiscreteStates
+        again = True
+        while again:
+            again, terminates, _, _, has_next, next_event = self._call(doing, update)
+        return Update(bool(terminates), float(next_event) if has_next else None)
+
+    def enter_event_mode(self, time: float) -> None:
+        """From now on the event is handled."""
+        self._call(f"at the event of {time:.9g} s", self._fmu.enterEventMode)
+
+    def enter_continuous_time_mode(self, time: float) -> None:
+        """From now on states are integrated."""
+        self._call(f"at {time:.9g} s", self._fmu.enterContinuousTimeMode)
+
+    def step_completed(self, time: float) -> bool:
+        """Whether an event is to be handled after a step of the integrator."""
+        enters, _ = self._call(f"at {time:.9g} s", self._fmu.completedIntegratorStep)
+        return bool(enters)
+
+    def states(self) -> list[float]:
+        """The continuous states."""
+        if self._states:
+            self._call("reading states", self._fmu.getContinuousStates, self._states, len(self._states))
+        return list(self._states)
+
+    def go_to(self, time: float, states: Sequence[float]) -> None:
+        """Sets time and continuous states."""
+        doing = f"at {time:.9g} s"
+        self._call(doing, self._fmu.setTime, time)
+        if self._states:
+            self._states[:] = list(states)
+            self._call(doing, self._fmu.setContinuousStates, self._states, len(self._states))
+
+    def slopes(self, time: float, states: Sequence[float]) -> list[float]:
+        """The derivatives of the states."""
+        self.go_to(time, states)
+        if self._slopes:
+            get = self._fmu.getContinuousStateDerivatives if self._is_new else self._fmu.getDerivatives
+            self._call(f"at {time:.9g} s", get, self._slopes, len(self._slopes))
+        return list(self._slopes)
+
+    def signs(self, time: float) -> list[bool]:
+        """Which event indicators are positive."""
+        if self._indicators:
+            get = self._fmu.getEventIndicators
+            self._call(f"at {time:.9g} s", get, self._indicators, len(self._indicators))
+        return [value > 0.0 for value in self._indicators]
+
+
+_STATUS = {2: "discard", 3: "an error", 4: "a fatal error"}
+
+
+def _text(text: bytes | None) -> str:
+    return (text or b"").decode("utf-8", "replace")
+
+
+def _callbacks(messages: list[str]) -> Any:
+    from fmpy.fmi2 import (
+        calloc,
+        fmi2CallbackAllocateMemoryTYPE,
+        fmi2CallbackFreeMemoryTYPE,
+        fmi2CallbackFunctions,
+        fmi2CallbackLoggerTYPE,
+        free,
+    )
+
+    made = fmi2CallbackFunctions()
+    made.logger = fmi2CallbackLoggerTYPE(lambda _, name, status, category, text: messages.append(_text(text)))
+    made.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    made.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    return made
