@@ -338,6 +338,7 @@ def proof_obligations(
     rules prove once for all elements of arrays is proved already. Raises the same exceptions as ``build``.
     """
     from cspdiag.network.lower.program import selection
+    from cspdiag.proofs.answers.at_once import answers_at_once
     from cspdiag.proofs.answers.question import expected_of, questions_of
 
     def roots(program: Program, analysis: Analysis) -> Sequence[Root]:
@@ -350,8 +351,11 @@ def proof_obligations(
 
     checked, overrides = _check_with(main, read, settings, roots, real, for_findings=by_rules)
     proved: dict[Question, Answer] = {}
-    if checked.program is not None and checked.fewer is not None:
-        questions, proved = _proved_for_many(checked.program, checked.fewer, process)
+    fewer = checked.fewer
+    if checked.program is not None and fewer is not None:
+        questions, proved = answers_at_once(
+            checked.program, fewer.varying, process, lambda name: compile_network(fewer.checked, top=name)
+        )
         if len(proved) == len(questions) > 0:
             return ProofObligations(checked=checked, questions=questions, networks={}, parameters={}, proved=proved)
         checked = _checked(checked.program.trees, {}, Report(), real=real)
@@ -369,33 +373,6 @@ def proof_obligations(
         obligations.networks[outermost] = network
         questions = expected_of(checked.program, outermost)
     return replaced(obligations, questions=questions)
-
-
-def _proved_for_many(
-    program: Program, fewer: Fewer, process: str | None
-) -> tuple[tuple[Question, ...], dict[Question, Answer]]:
-    """What is to be proved of a program of many elements, and the answers to what is proved of all of them at once."""
-    from time import monotonic
-
-    from cspdiag.network.elaborate.definitions import Definitions
-    from cspdiag.proofs.answers.answer import Answer
-    from cspdiag.proofs.answers.question import expected_of, questions_of
-    from cspdiag.proofs.rules.many_elements import proved_for_many
-    from cspdiag.syntax import ast
-
-    questions = questions_of(program, process)
-    outermost = Definitions(program).outermost() if process is None else program.definitions.get(process)
-    if not questions and isinstance(outermost, ast.ProcessDefinition):
-        questions = expected_of(program, outermost.name.text)
-    proved: dict[Question, Answer] = {}
-    for question in questions:
-        began = monotonic()
-        if question.claim == "deadlock free":
-            few = compile_network(fewer.checked, top=question.process)
-            found = few and proved_for_many(program, fewer.varying, question.process, few)
-            if found:
-                proved[question] = Answer(question, "proved", found.method, found.reason, monotonic() - began)
-    return questions, proved
 
 
 @raised_recursion_limit()

@@ -44,8 +44,21 @@ STEPS = {
     "run -O1": ("run", "-O1", "--quiet"),
     "draw": ("draw",),
     "verify": ("verify", "--no-cache"),
+    "verify asserted": ("verify", "--no-cache"),
 }
-COLOURS = ("#4269d0", "#9498a0", "#efb118", "#ff725c", "#6cc5b0", "#3ca951", "#ff8ab7", "#a463f2", "#97bbf5", "#9c6b4e")
+COLOURS = (
+    "#4269d0",
+    "#9498a0",
+    "#efb118",
+    "#ff725c",
+    "#6cc5b0",
+    "#3ca951",
+    "#ff8ab7",
+    "#a463f2",
+    "#97bbf5",
+    "#9c6b4e",
+    "#1f1f1f",
+)
 
 
 class Row(NamedTuple):
@@ -115,7 +128,11 @@ def cost(step: str, network: str, form: str, count: int, limit: int) -> Row:
     """Run one command, which is stopped after ``limit`` seconds on the clock."""
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder, f"{network}.csp")
-        program.write_text(source(network, form, count, ends=step.startswith("run")), encoding="utf-8")
+        text = source(network, form, count, ends=step.startswith("run"))
+        if step == "verify asserted":
+            outermost = text.rpartition("\nprocess ")[2].partition(" ")[0]
+            text += f"\nassert {outermost} deadlock free\n"
+        program.write_text(text, encoding="utf-8")
         output = {"compile": ("-o", "made"), "C": ("-o", "made"), "draw": ("-o", "drawn.svg")}.get(step.split()[0], ())
         limited = f"import resource, runpy; resource.setrlimit(resource.RLIMIT_AS, ({MEMORY}, {MEMORY})); "
         command = [sys.executable, "-c", f"{limited}runpy.run_module('cspdiag', run_name='__main__', alter_sys=True)"]
@@ -138,7 +155,7 @@ def cost(step: str, network: str, form: str, count: int, limit: int) -> Row:
         _, status, used = os.wait4(running.pid, 0)
         signal.alarm(0)
         running.returncode = os.waitstatus_to_exitcode(status)
-    expected = (0, 1) if step in ("verify", "fmt") else (0,)
+    expected = (0, 1) if step.split()[0] in ("verify", "fmt") else (0,)
     if not ended_by and running.returncode not in expected:
         ended_by = "memory" if "Memory" in said or running.returncode < 0 else "refused"
     return Row(step, network, form, count, used.ru_utime + used.ru_stime, used.ru_maxrss * 1024, ended_by)

@@ -115,10 +115,13 @@ def _obligations(
 
 
 def _answer(obligations: pipeline.ProofObligations, limits: Limits) -> Answer | None:
+    (question,) = obligations.questions
+    if question in obligations.proved:
+        return obligations.proved[question]
     if limits.remaining <= 0:
         return None
     try:
-        return prove(obligations.questions[0], SystemCache(obligations).of, Limits(limits.remaining, limits.memory))
+        return prove(question, SystemCache(obligations).of, Limits(limits.remaining, limits.memory))
     except VerificationError:
         return None
 
