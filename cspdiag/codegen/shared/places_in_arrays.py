@@ -67,10 +67,9 @@ def indexed(name: str) -> tuple[str, int] | None:
     """``cell[3]`` and ``cell[3].out`` as (``cell``, 3) and (``cell.out``, 3); None unless there is exactly
     one index.
     """
-    found = re.findall(r"\[(\d+)\]", name)
-    if len(found) != 1:
-        return None
-    return re.sub(r"\[\d+\]", "", name), int(found[0])
+    base, _, rest = name.partition("[")
+    number, _, after = rest.partition("]")
+    return (base + after, int(number)) if number.isdecimal() and "[" not in after else None
 
 
 def numbered_lines(kinds: Mapping[str, Hashable], taken: Collection[str]) -> dict[str, Sequence[str]]:

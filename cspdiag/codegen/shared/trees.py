@@ -68,27 +68,31 @@ def outline(item: object) -> Outline:
 
 
 def _shape(item: object, numbers: list[int]) -> Hashable:
-    if isinstance(item, tuple):
-        return tuple([_shape(part, numbers) for part in item])
+    if type(item) is tuple:
+        return tuple([part if type(part) in _PLAIN else _shape(part, numbers) for part in item])
     kind: type = type(item)
-    names = _shaped_fields(kind)
-    if names is None:
+    shape = _shape_of(kind)
+    if shape is None:
         return item
-    if isinstance(item, Counted):
-        numbers.append(item.value)
-        return (kind, *[getattr(item, name) for name in names])
-    values = [getattr(item, name) for name in names]
-    # A node that counts may be where the field has a name.
-    return (kind, *[value if type(value) in _PLAIN else _shape(value, numbers) for value in values])
+    return shape(item, numbers)
 
 
 @cache
-def _shaped_fields(kind: type) -> tuple[str, ...] | None:
-    """The fields of a node to compare; None for everything else."""
+def _shape_of(kind: type) -> Callable[[object, list[int]], Hashable] | None:
+    """The shape of a node of one kind, made for its fields, as it is called for each node; None for everything else."""
     names: tuple[str, ...] | None = getattr(kind, "__record_fields__", None)
     if names is None or issubclass(kind, Closed):
         return None
-    return tuple([name for name in names if name != "value"]) if issubclass(kind, Counted) else names
+    if issubclass(kind, Counted):
+        noted = "    numbers.append(item.value)\n"
+        parts = [f"item.{name}" for name in names if name != "value"]
+    else:
+        # A node that counts may be where the field has a name.
+        noted = ""
+        parts = [f"part if type(part := item.{name}) in plain else shape(part, numbers)" for name in names]
+    scope: dict[str, Any] = {"kind": kind, "plain": _PLAIN, "shape": _shape}
+    exec(f"def shape_of(item, numbers):\n{noted}    return (kind, {', '.join(parts)})", scope)
+    return scope["shape_of"]  # type: ignore[no-any-return]
 
 
 _PLAIN = frozenset({str, int, bool, NoneType})

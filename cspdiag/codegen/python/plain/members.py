@@ -9,7 +9,7 @@ from cspdiag.base.record import record
 from cspdiag.codegen.python.text.code import Code, Name, own
 from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.statements import Statement, bound_in
-from cspdiag.codegen.shared.places_in_arrays import indexed, numbered_lines
+from cspdiag.codegen.shared.places_in_arrays import MANY, indexed, numbered_lines
 from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir.network import CreatedInstance, InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
@@ -144,6 +144,8 @@ def lines_as_arrays(process: ProcessClass) -> dict[str, Sequence[str]]:
     """Channels and instances with a line for each that are many and numbered, by what their names have in common;
     instances are made one directly after the other.
     """
+    if not any(sum("[" not in item.name for item in items) >= MANY for items in (process.channels, process.instances)):
+        return {}
     channels = {item.name: (item.kind, item.type, item.capacity, item.doc) for item in process.channels}
     instances = {item.name: (item.class_name, item.doc) for item in process.instances}
     taken = {*channels, *instances, *(item.name for item in (*process.parameters, *process.ports))}
