@@ -110,6 +110,12 @@ def test_who_is_late_misses_samples_in_real_time_only(machine: Path) -> None:
     assert at_leisure == f"state {MORE}: running; driven 5, last 4, released 0, afterwards 0"
 
 
+def test_the_work_after_lateness_does_not_grow_with_it(machine: Path) -> None:
+    late, samples = run(machine, "very late").splitlines()
+    assert late.startswith(f"state {FAILED}: Timeout: a sample of Machine.level was overwritten")
+    assert samples == "samples 2"
+
+
 def test_a_driver_without_samples_and_with_a_nan(machine: Path) -> None:
     silent, nan = run(machine, "bad").splitlines()
     assert silent == f"state {MORE}: running; driven 2, last 2, released 0, afterwards 0"

@@ -71,9 +71,10 @@ static void hold(csp_kernel *csp, csp_sampled_end *end)
     csp_raise_bits(csp, end->inputs);
 }
 
-static void miss(csp_sampled_end *end)
+static void miss(csp_sampled_end *end, int64_t samples)
 {
-    end->port->missed++;
+    const uint32_t room = UINT32_MAX - end->port->missed;
+    end->port->missed += (samples < (int64_t)room) ? (uint32_t)samples : room;
     end->overdue = !end->port->counts;
 }
 
@@ -93,7 +94,7 @@ static void sample(csp_kernel *csp, csp_sampled_end *end)
         }
     }
     if (end->fresh) {
-        miss(end);
+        miss(end, 1);
     }
     end->fresh = true;
     if (end->reader != NULL) {
@@ -118,11 +119,11 @@ void csp_sampled_tick(csp_kernel *csp, csp_sampled_input *port)
     }
 }
 
-void csp_sampled_skip(csp_sampled_input *port)
+void csp_sampled_skip(csp_sampled_input *port, int64_t ticks)
 {
     for (csp_sampled_end *end = (port->driver.read == NULL) ? NULL : port->ends; end != NULL; end = end->next) {
         if (end->begun) {
-            miss(end);
+            miss(end, ticks);
         }
     }
 }

@@ -131,6 +131,13 @@ void csp_instants_begin(csp_kernel *csp)
     }
 }
 
+/* The tick to be executed after this one, if another one has passed already: the last that has. Without an environment nothing happens at those between, so the
+ * work does not grow with the lateness. */
+static int64_t last_tick(const csp_kernel *csp, int64_t tick, int64_t period, int64_t present)
+{
+    return tick + ((csp->program->environment == NULL) ? (((present - tick) / period) * period) : period);
+}
+
 /* If several ticks have passed, only the last one reads the device: a late sample does not belong to the earlier instants. Returns the next tick of
  * an input; INT64_MAX: none. */
 static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
@@ -147,7 +154,8 @@ static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
                 if (input->next > present) {
                     csp_sampled_tick(csp, input);
                 } else {
-                    csp_sampled_skip(input);
+                    input->next = last_tick(csp, instant, input->period, present);
+                    csp_sampled_skip(input, (input->next - instant) / input->period);
                 }
             }
             next = earlier(next, input->next);
@@ -161,7 +169,7 @@ static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
     return next;
 }
 
-int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant)
+int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
 {
     const csp_port *const ports = csp->program->ports;
     const uint32_t end = (CSP_USES_LATCHED_OUTPUTS != 0) ? csp->outputs.to : 0U;
@@ -172,6 +180,9 @@ int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant)
             csp_latched_output *const output = (csp_latched_output *)(void *)csp_medium_of(csp, port);
             if (output->next == instant) {
                 output->next = tick_after(instant, output->period);
+                if (output->next <= present) {
+                    output->next = last_tick(csp, instant, output->period, present);
+                }
                 csp_latched_tick(csp, output);
             }
             next = earlier(next, output->next);
@@ -189,8 +200,11 @@ bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present)
     const int64_t next_input = inputs_meet(csp, instant, present);
     if (csp->next_grid == instant) {
         csp->next_grid = tick_after(instant, csp->grid);
+        if (csp->next_grid <= present) {
+            csp->next_grid = last_tick(csp, instant, csp->grid, present);
+        }
     }
-    const int64_t next_output = csp_outputs_meet(csp, instant);
+    const int64_t next_output = csp_outputs_meet(csp, instant, present);
     csp->next_tick = earlier(earlier(next_input, next_output), csp->next_grid);
     return true;
 }

@@ -152,7 +152,7 @@ void csp_interrupt_retract(csp_kernel *csp, csp_interrupt *interrupt);
 void csp_body_ended(csp_kernel *csp, csp_interrupt *interrupt, bool cancelled);
 void csp_sampled_tick(csp_kernel *csp, csp_sampled_input *port);
 /* A tick that is past when the next one is, too: the device is not read. */
-void csp_sampled_skip(csp_sampled_input *port);
+void csp_sampled_skip(csp_sampled_input *port, int64_t ticks);
 void csp_event_poll(csp_kernel *csp, csp_event_input *port);
 void csp_latched_tick(csp_kernel *csp, csp_latched_output *output);
 bool csp_sampled_can_come(const csp_sampled_input *port);
@@ -170,7 +170,7 @@ void csp_instants_begin(csp_kernel *csp);
 bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present);
 
 /* Hands over the latched outputs whose tick this is. Returns the next tick of one; INT64_MAX: none. */
-int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant);
+int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant, int64_t present);
 
 /* The next instant of a tick or a timer; INT64_MAX: none. */
 static inline int64_t csp_instants_next(csp_kernel *csp)

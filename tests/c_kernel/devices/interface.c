@@ -300,6 +300,17 @@ static void exchange(void)
     show(self, state, &devices);
 }
 
+/* Late by two hundred years, with a button that is pressed meanwhile. */
+static void be_very_late(void)
+{
+    machine_hooks hooks = hooks_of(&devices);
+    hooks.real_time = true;
+    machine_instance *const self = machine_begin(&memory, sizeof memory, &hooks, NULL);
+    (void)machine_advance(self, 3 * MS, 1000U);
+    show(self, machine_advance(self, 200 * 365 * INT64_C(86400000) * MS, 1000U), &devices);
+    (void)printf("samples %d\n", devices.samples);
+}
+
 /* A counter of which every reading takes ten cycles. */
 static uint32_t ten_cycles(void *context)
 {
@@ -334,7 +345,7 @@ int main(int count, char **arguments)
         const char *name;
         void (*run)(void);
     } parts[] = {{"refuse", refuse}, {"run", run}, {"reset", reset}, {"late", be_late}, {"bad", sample_badly},
-                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"resume", resume}, {"measure", measure}};
+                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"resume", resume}, {"measure", measure}, {"very late", be_very_late}};
     for (size_t index = 0U; index < sizeof parts / sizeof parts[0]; index++) {
         if ((count > 1) && (strcmp(arguments[1], parts[index].name) == 0)) {
             parts[index].run();
