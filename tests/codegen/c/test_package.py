@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.base.files.resources import template_folder
 from cspdiag.base.sources import read_source
 from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native.memory import FunctionFacts, deepest, memory_report
@@ -157,3 +158,27 @@ def test_the_deepest_calls_make_the_stack() -> None:
         "helper": FunctionFacts(7, ()),
     }
     assert deepest(functions) == 10 + 20 + 100 + 7
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_make_shows_the_stack(tmp_path: Path) -> None:
+    written(pipeline.generate(network_of("cascade/cascade.csp"), read_source, "c"), tmp_path)
+    done = subprocess.run(
+        ["make", "-s", "stack", "CFLAGS=-O1"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    rows = done.stdout.splitlines()
+    depths = {row.split()[2]: int(row.split()[0]) for row in rows if " bytes  cascade_" in row}
+    assert depths["cascade_next"] < depths["cascade_release"] < depths["cascade_advance"] < 2_000
+    assert rows[-1] == "no function calls itself, directly or through others"
+
+
+def test_recursion_is_found(tmp_path: Path) -> None:
+    graph = tmp_path / "main.ci"
+    nodes = "".join(f'node: {{ title: "{name}" label: "{name}\\n8 bytes (static)" }}\n' for name in ("p_a", "b", "c"))
+    edges = [("p_a", "b"), ("b", "c"), ("c", "b")]
+    rows = "".join(f'edge: {{ sourcename: "{one}" targetname: "{other}" }}\n' for one, other in edges)
+    graph.write_text(nodes + rows, encoding="utf-8")
+    script = template_folder("c") / "support" / "csp_stack.awk"
+    done = subprocess.run(["awk", "-v", "package=p", "-f", script, graph], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stdout.splitlines()[-1] == "there is recursion"

@@ -266,5 +266,5 @@ def support_files() -> dict[str, str]:
     return {
         path.name: path.read_text(encoding="utf-8")
         for path in sorted(folder.iterdir())
-        if path.suffix in (".c", ".h", ".ld")
+        if path.suffix in (".awk", ".c", ".h", ".ld")
     }
