@@ -38,8 +38,8 @@ typedef union commstime_memory {
 
 typedef struct commstime_instance commstime_instance;
 
-/* The longest execution times, in cycles: a step of each process, from one wait to the next, and all
- * work at one instant, with your hooks. They stay when a run begins.
+/* The longest execution times, in cycles: a step of each process, from one wait to the next, and
+ * all work at one instant, with your hooks. They stay when a run begins.
  */
 #define COMMSTIME_PROCESSES 5U
 typedef struct commstime_times {
@@ -133,8 +133,8 @@ bool commstime_restore(commstime_instance *self, const commstime_memory *copy);
  */
 void commstime_describe(commstime_instance *self, char *text, size_t size);
 
-/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if sources
- * are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
+/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if
+ * sources are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
  */
 void commstime_write_times(const commstime_times *times, uint32_t hertz,
     void (*put)(void *context, const char *text), void *context);

@@ -65,8 +65,8 @@ typedef enum emergency_event {
     EMERGENCY_EVENT_PANEL
 } emergency_event;
 
-/* The longest execution times, in cycles: a step of each process, from one wait to the next, and all
- * work at one instant, with your hooks. They stay when a run begins.
+/* The longest execution times, in cycles: a step of each process, from one wait to the next, and
+ * all work at one instant, with your hooks. They stay when a run begins.
  */
 #define EMERGENCY_PROCESSES 1U
 typedef struct emergency_times {
@@ -174,8 +174,8 @@ bool emergency_restore(emergency_instance *self, const emergency_memory *copy);
  */
 void emergency_describe(emergency_instance *self, char *text, size_t size);
 
-/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if sources
- * are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
+/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if
+ * sources are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
  */
 void emergency_write_times(const emergency_times *times, uint32_t hertz,
     void (*put)(void *context, const char *text), void *context);

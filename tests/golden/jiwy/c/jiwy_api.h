@@ -67,8 +67,8 @@ typedef enum jiwy_event {
     JIWY_EVENT_JOYSTICK_BUTTONS
 } jiwy_event;
 
-/* The longest execution times, in cycles: a step of each process, from one wait to the next, and all
- * work at one instant, with your hooks. They stay when a run begins.
+/* The longest execution times, in cycles: a step of each process, from one wait to the next, and
+ * all work at one instant, with your hooks. They stay when a run begins.
  */
 #define JIWY_PROCESSES 11U
 typedef struct jiwy_times {
@@ -176,8 +176,8 @@ bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy);
  */
 void jiwy_describe(jiwy_instance *self, char *text, size_t size);
 
-/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if sources
- * are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
+/* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if
+ * sources are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
  */
 void jiwy_write_times(const jiwy_times *times, uint32_t hertz,
     void (*put)(void *context, const char *text), void *context);
