@@ -12,7 +12,6 @@ from cspdiag.codegen.c.network.environments import EnvironmentFiles
 from cspdiag.codegen.c.package.includes import with_headers
 from cspdiag.codegen.c.package.layouts import CONTRACTION_OFF, OWNERS, SUPPORT
 from cspdiag.codegen.c.package.package import Package, described
-from cspdiag.codegen.c.package.refusals import refuse_devices
 from cspdiag.codegen.c.text.names import snake_case
 from cspdiag.codegen.fmi.description import Model, build_description, model_description
 from cspdiag.codegen.fmi.variables import Clock, Variable, c_type, scalars
@@ -119,7 +118,11 @@ def _program(package: Package, options: Options) -> dict[str, str]:
 
 def _plant(package: Package, options: Options) -> dict[str, str]:
     environment = next(entry for entry in package.network.environments if entry.name == options.plant)
-    refuse_devices(environment)
+    for driver in environment.drivers:
+        raise TargetError(
+            f"{driver.span}: the environment has the device `{driver.definition}`, which an FMU cannot open\n"
+            "  help: choose an environment of submodels"
+        )
     for item in fmu_calls(environment):
         raise TargetError(
             f"{item.external.span}: the environment has an FMU, which cannot be in another FMU\n"

@@ -290,3 +290,28 @@ def test_a_state_can_be_taken_set_and_made_bytes(desk: Path, tmp_path: Path) -> 
         one.step(0.004, 0.004, other)
         assert one.outputs(other) == finals[0]
         other.freeInstance()
+
+
+@pytest.mark.parametrize(
+    ("environment", "reported"),
+    [
+        ("Hand", "the environment has the device `Level`, which an FMU cannot open"),
+        ("Other", "the environment has an FMU, which cannot be in another FMU"),
+    ],
+)
+def test_an_environment_with_devices_or_fmus_is_refused(
+    environment: str, reported: str, desk: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "show.csp").write_text(
+        "process Show {\n  in shown : int @ 2 ms\n  communication { var x : int }\n"
+        "  composition { mu (shown ? x) }\n}\n"
+        'driver Level python "hand.py:Level" { out shown : int }\n'
+        f'submodel Model fmu "{desk}" {{ out shown : int }}\n'
+        "environment Hand for Show {\n  level : Level\n  level.shown -> shown\n}\n"
+        "environment Other for Show {\n  model : Model\n  model.shown -> shown\n}\n"
+    )
+    (tmp_path / "hand.py").write_text("class Level:\n    def read(self, port: str) -> int:\n        return 1\n")
+    command = ["compile", str(tmp_path / "show.csp"), "--target", "fmu", "--environment", environment]
+    assert main([*command, "-o", str(tmp_path / "build")]) == 1
+    assert reported in capsys.readouterr().err
+    assert not (tmp_path / "build").exists()
