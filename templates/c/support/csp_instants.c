@@ -131,11 +131,33 @@ void csp_instants_begin(csp_kernel *csp)
     }
 }
 
-/* The tick to be executed after this one, if another one has passed already: the last that has. Without an environment nothing happens at those between, so the
- * work does not grow with the lateness. */
-static int64_t last_tick(const csp_kernel *csp, int64_t tick, int64_t period, int64_t present)
+/* How many periods are in a duration that is at least one period. By doubling, because a division of 64 bits takes flash on small processors. */
+static int64_t periods_in(int64_t duration, int64_t period)
 {
-    return tick + ((csp->program->environment == NULL) ? (((present - tick) / period) * period) : period);
+    int64_t rest = duration;
+    int64_t part = period;
+    int64_t periods = 1;
+    int64_t count = 0;
+    while (part <= (rest - part)) {
+        part *= 2;
+        periods *= 2;
+    }
+    while (periods > 0) {
+        if (part <= rest) {
+            rest -= part;
+            count += periods;
+        }
+        part /= 2;
+        periods /= 2;
+    }
+    return count;
+}
+
+/* How many ticks are between this one and the one to be executed next, which is counted, if another one has passed already: the last that has. Without an
+ * environment nothing happens at those between, so the work does not grow with the lateness. */
+static int64_t ticks_passed(const csp_kernel *csp, int64_t tick, int64_t period, int64_t present)
+{
+    return (csp->program->environment == NULL) ? periods_in(present - tick, period) : 1;
 }
 
 /* If several ticks have passed, only the last one reads the device: a late sample does not belong to the earlier instants. Returns the next tick of
@@ -154,8 +176,9 @@ static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
                 if (input->next > present) {
                     csp_sampled_tick(csp, input);
                 } else {
-                    input->next = last_tick(csp, instant, input->period, present);
-                    csp_sampled_skip(input, (input->next - instant) / input->period);
+                    const int64_t passed = ticks_passed(csp, instant, input->period, present);
+                    input->next = instant + (passed * input->period);
+                    csp_sampled_skip(input, passed);
                 }
             }
             next = earlier(next, input->next);
@@ -181,7 +204,7 @@ int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
             if (output->next == instant) {
                 output->next = tick_after(instant, output->period);
                 if (output->next <= present) {
-                    output->next = last_tick(csp, instant, output->period, present);
+                    output->next = instant + (ticks_passed(csp, instant, output->period, present) * output->period);
                 }
                 csp_latched_tick(csp, output);
             }
@@ -200,8 +223,8 @@ bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present)
     const int64_t next_input = inputs_meet(csp, instant, present);
     if (csp->next_grid == instant) {
         csp->next_grid = tick_after(instant, csp->grid);
-        if (csp->next_grid <= present) {
-            csp->next_grid = last_tick(csp, instant, csp->grid, present);
+        if ((CSP_USES_EVENT_INPUTS != 0) && (csp->next_grid <= present)) {
+            csp->next_grid = instant + (ticks_passed(csp, instant, csp->grid, present) * csp->grid);
         }
     }
     const int64_t next_output = csp_outputs_meet(csp, instant, present);
