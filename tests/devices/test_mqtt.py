@@ -114,9 +114,17 @@ def test_nonsense_is_reported_at_its_port(tmp_path: Path) -> None:
 def test_what_the_broker_retained_is_a_sample_but_no_event(tmp_path: Path) -> None:
     with _broker(tmp_path) as (port, _), _peer(port) as peer:
         peer.send("level", 1.5)
-        peer.send("go/retained", 9)
-        result = run(program(DRIVER, f"port = {port}"), lambda: peer.expect(1.5), until="300 ms")
-    assert result.outcome.ended == "time limit"
+        peer.send("go/retained", 2)
+
+        def script() -> None:
+            peer.expect(1.5)
+            time.sleep(0.1)
+            peer.send("go", 9)
+            peer.expect(-1)
+
+        result = run(program(DRIVER, f"port = {port}"), script)
+    assert result.outcome.ended == "terminated"
+    assert set(peer.values) == {1.5, -1.0}
 
 
 @needs_broker
