@@ -58,7 +58,8 @@ def _peer(port: int) -> Iterator[Peer]:
 
     def send(name: str, value: Any) -> None:
         plain = name.removesuffix("/retained")
-        client.publish(f"tank/{plain}", str(value), retain=name in ("level", "go/retained"))
+        sent = client.publish(f"tank/{plain}", str(value), qos=1, retain=name in ("level", "go/retained"))
+        sent.wait_for_publish(5)  # The broker has it.
 
     peer = Peer(send)
     client.on_message = lambda client, data, message: peer.heard.put(float(message.payload))
