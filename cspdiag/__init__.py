@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cspdiag.codegen.shared.target_error import TargetError
     from cspdiag.draw.layout.graph import LayoutError
     from cspdiag.draw.missing import MissingToolError
+    from cspdiag.live import Tuning
     from cspdiag.model.types import Real
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.settings import SettingError
@@ -48,6 +49,7 @@ __all__ = [
     "SelectionError",
     "SettingError",
     "TargetError",
+    "Tuning",
     "UnknownSignalError",
     "VerificationError",
     "__version__",
@@ -80,6 +82,7 @@ _HOMES = {
     "SelectionError": "network.lower.program",
     "SettingError": "settings",
     "TargetError": "codegen.shared.target_error",
+    "Tuning": "live",
     "UnknownSignalError": "simulate.result",
     "VerificationError": "verify.systems",
 }

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from cspdiag import pipeline
 from cspdiag.arguments import (
     Setting,
+    changes_of,
     definition_to_draw,
     labels_to_hide,
     measured_times,
@@ -26,6 +27,7 @@ from cspdiag.arguments import (
 from cspdiag.base import Diagnostic, SourceFile
 from cspdiag.base.errors import ArgumentError, CspdiagError, file_errors
 from cspdiag.base.sources import read_source
+from cspdiag.live import Tuning
 from cspdiag.model.types import REALS
 
 if TYPE_CHECKING:
@@ -35,10 +37,17 @@ if TYPE_CHECKING:
     from cspdiag.analyses.timing.result import TimingReport
     from cspdiag.draw.pictures import Which
     from cspdiag.draw.scene.shapes import Scene
+    from cspdiag.model.program import Program
     from cspdiag.model.types import Real
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.answers.answer import Answer
     from cspdiag.simulate.result import Run
+
+
+Tune: TypeAlias = "Tuning | Mapping[str | float, Mapping[str, Setting]]"
+"""Changes of parameters: by the time in the run, as a text or in seconds, new values by name; or from another
+thread.
+"""
 
 
 class ProgramError(CspdiagError):
@@ -143,6 +152,11 @@ class LoadedProgram:
         if built.network is None:
             raise ProgramError(built.checked.report.diagnostics)
         return built.network
+
+    def _program(self) -> Program:
+        """The program; it has no errors."""
+        assert self._checked.program is not None
+        return self._checked.program
 
     def graph(
         self,
@@ -278,6 +292,7 @@ class LoadedProgram:
         real_time: bool = False,
         target: str = "python",
         level: int | Literal["reference"] = 1,
+        tune: Tune | None = None,
     ) -> Run:
         """Run the program against an environment (the first one by default), until ``until``: ``"20 s"``, or a number
         of seconds.
@@ -285,7 +300,8 @@ class LoadedProgram:
         ``process`` is the outermost one, by default that of the environment. ``target="c"`` builds and runs a native
         program, and ``target="auto"`` does so where that is possible, as ``Run.chosen_target`` says. With ``level=0``
         the readable code runs instead of the fast one. The results are the same. With ``level="reference"`` the
-        reference semantics runs the program, which is slow and shares nothing with the generated code.
+        reference semantics runs the program, which is slow and shares nothing with the generated code. ``tune`` changes
+        parameters of the program: ``{"2 s": {"gains.kp": 3}}``, or a ``Tuning``, by which another thread does.
 
         Raises the exceptions of ``build``, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and
         ``TargetError``, for the reference ``NoMeaningError``, and ArgumentError for an unknown level or target.
@@ -295,28 +311,37 @@ class LoadedProgram:
         from cspdiag.simulate.run import execute
 
         if level == "reference":
-            return self._run_on_reference(environment, process, until, set, target, real_time=real_time)
+            return self._run_on_reference(environment, process, until, set, target, tune, real_time=real_time)
         _require_level(level, "0, 1 or 'reference'")
         if target not in ("python", "c", "auto"):
             raise ArgumentError(f"the target {shown(target)} cannot be run: choose 'python', 'c' or 'auto'")
         limit = None if until is None else time_limit(until)
         network = self._build(process, environment, set, alone=True)
+        program = self._program()
+        live = tune if isinstance(tune, Tuning) else None
+        changes = [] if tune is None or live is not None else changes_of(program, tune)
+        if live is not None and target == "c":
+            raise ArgumentError("a `Tuning` changes a program that runs in Python: omit `target`, or give the changes")
         with file_errors():
             if target == "c":
                 return native.simulate(
-                    network, read_source, level=level, environment=environment, until=limit, real_time=real_time
-                )
+                    network, read_source, level=level, environment=environment, until=limit, real_time=real_time,
+                    changes=changes,
+                )  # fmt: skip
 
             def in_python() -> Run:
                 files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
-                return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
+                return execute.simulate(
+                    network, files, environment=environment, until=limit, real_time=real_time, changes=changes,
+                    on_start=None if live is None else partial(live.attach, program),
+                )  # fmt: skip
 
-            if target == "python":
+            if target == "python" or live is not None:
                 return in_python()
-            program = native_if_possible(
+            native_program = native_if_possible(
                 network, read_source, level=level, environment=environment, real_time=real_time
             )
-            return run_either(program, lambda program: program.run(until=limit), in_python)
+            return run_either(native_program, lambda found: found.run(until=limit, changes=changes), in_python)
 
     def _run_on_reference(
         self,
@@ -325,6 +350,7 @@ class LoadedProgram:
         until: str | float | None,
         settings: Mapping[str, Setting] | None,
         target: str,
+        tune: Tune | None,
         *,
         real_time: bool,
     ) -> Run:
@@ -337,7 +363,10 @@ class LoadedProgram:
             )
         limit = None if until is None else time_limit(until)
         network = self._build(process, environment, settings, alone=True)
-        return reference.simulate(network, environment=environment, until=limit, recorder=Recorder())
+        if isinstance(tune, Tuning):
+            raise ArgumentError("a `Tuning` is for a program that runs in Python: give the changes by their times")
+        changes = [] if tune is None else changes_of(self._program(), tune)
+        return reference.simulate(network, environment=environment, until=limit, recorder=Recorder(), changes=changes)
 
     def verify(
         self,

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from cspdiag.draw.elements.communication import Drawn
     from cspdiag.draw.hiding import Hidden
     from cspdiag.draw.pictures import Pictures
+    from cspdiag.model.program import Program
     from cspdiag.network.ir.network import Environment, Network
+    from cspdiag.runtime.kernel.parameters import Change
 
 LONGEST_LIMIT = 1e6
 """In seconds: no timer of the system needs to wait longer."""
@@ -110,6 +112,19 @@ def _setting(name: str, value: Setting) -> str:
         return WrittenNumber(int(value))
     # A binary32 keeps the few digits it was written with.
     return WrittenNumber(value if isinstance(value, float) else str(value))
+
+
+def changes_of(program: Program, tune: object) -> list[Change]:
+    """The changes of parameters that a mapping from times to settings describes. Raises TypeError and SettingError."""
+    from cspdiag.tuning import parse_change
+
+    if not isinstance(tune, Mapping):
+        raise TypeError(f"tune is a mapping from times to settings, or a Tuning, not {type(tune).__name__}")
+    return [
+        parse_change(program, time_limit(time), name, value)
+        for time, settings in tune.items()
+        for name, value in settings_of(settings).items()
+    ]
 
 
 def time_limit(until: str | float) -> int:

@@ -151,6 +151,19 @@ def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequenc
     return Overrides(constants=constants, parameters=parameters, places=tuple(places))
 
 
+def constant_setting(program: Program, name: str, text: str) -> tuple[ast.Constant, tuple[int, ...], Value]:
+    """A constant or parameter of the program, the positions of the part of it that a name means, and the value for that
+    part. Raises SettingError.
+    """
+    constant, path = _constant(program, name)
+    if constant is None:
+        known = [one.name.text for one in program.tunable if one.tunable]
+        listed = f"the parameters are {', '.join(known)}" if known else "there are none"
+        raise SettingError(f"there is no parameter {name!r} of the program ({listed})")
+    target = _constant_target(program, constant, path.removeprefix(f"{CONSTANT}."), name)
+    return constant, target.positions, _value(name, text, target.type, is_constant=True)
+
+
 class _Known:
     """What has been set so far, by the names as written."""
 

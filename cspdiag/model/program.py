@@ -87,9 +87,11 @@ class Program:
     ``bindings``: from ast.Name, ast.Reference (its first name) and ast.Identifier (of definitions used, members,
     callees) to what they mean. ``members``: from ast.Reference or ast.Member with a member to its port, literal or
     field. ``types``: of expressions, parameters, variables, channels, states, lets, constants, fields and type names;
-    sizes that depend on parameters are None. ``time_uses``: submodels whose own equations use ``time``, and where.
-    ``poisoned``: nodes with a mistake that was reported; later passes are silent about them. ``overrides``: values of
-    constants that were set from outside (``--set``).
+    sizes that depend on parameters are None. ``constants``: those with a value that never changes; ``tunable``: the
+    parameters of the program and the constants that follow from them, with their values before any change.
+    ``time_uses``: submodels whose own equations use ``time``, and where. ``poisoned``: nodes with a mistake that was
+    reported; later passes are silent about them. ``overrides``: values of constants that were set from outside
+    (``--set``).
     """
 
     def __init__(self, main: ast.SourceTree, trees: tuple[ast.SourceTree, ...], overrides: dict[str, Value]) -> None:
@@ -102,6 +104,7 @@ class Program:
         self.members: dict[ast.Node, PortSymbol | EnumLiteralSymbol | str] = {}
         self.types: dict[ast.Node, Type] = {}
         self.constants: dict[ast.Constant, Value] = {}
+        self.tunable: dict[ast.Constant, Value] = {}
         self.time_uses: dict[ast.Node, Span] = {}
         self.poisoned: set[ast.Node] = set()
         self.overrides = overrides

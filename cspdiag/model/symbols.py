@@ -17,8 +17,8 @@ BUILTIN_EXCEPTIONS = ("Timeout", "Fault")
 def described(symbol: Symbol) -> str:
     """What kind of thing a symbol is, with its article: ``a submodel``, ``an in port``."""
     match symbol:
-        case ast.Constant():
-            return "a constant"
+        case ast.Constant(tunable=tunable):
+            return "a parameter of the program" if tunable else "a constant"
         case ast.TypeAliasDefinition():
             return "a type"
         case ast.EnumDefinition():

@@ -13,8 +13,8 @@ from cspdiag.base import Report
 from cspdiag.model.program import Program, Value
 from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.checks.assignment import Flow, check_assignment
-from cspdiag.network.checks.buttons import check_releases
 from cspdiag.network.checks.composition import check_progress, check_runs
+from cspdiag.network.checks.drivers.buttons import check_releases
 from cspdiag.network.checks.guards import check_guards
 from cspdiag.network.checks.raised import RaisedExceptions
 from cspdiag.network.checks.rate_boundaries import RateBoundaries
@@ -36,7 +36,7 @@ from cspdiag.network.infer.parameter_ranges import ranges_of
 from cspdiag.network.infer.period_origins import PeriodOrigins
 from cspdiag.network.infer.periods import Rates, check_event_ports, net_rates
 from cspdiag.network.infer.waiting import MayWait
-from cspdiag.network.occurrences import Occurrence, Occurrences
+from cspdiag.network.occurrences import Occurrence, Occurrences, tunable_parameters
 from cspdiag.network.relations import Relations
 from cspdiag.network.shapes import Overrides, Shape, attached_key
 from cspdiag.network.submodels.classes import LawUse, needs_sample
@@ -69,7 +69,7 @@ class Analysis:
         self._depths: dict[Shape, int] = {}
         self._roots: list[tuple[Shape, Surroundings]] = []
         self._root_arguments: list[tuple[Shape, tuple[ast.Argument, ...]]] = []
-        self._root_values: list[tuple[Shape, Surroundings, Mapping[str, Value]]] = []
+        self._root_values: list[tuple[Shape, Surroundings, Mapping[str, Value], frozenset[str]]] = []
         self.laws: list[LawUse] = []
         """The submodel instances, with the values of their parameters as far as known; empty if errors were reported
         before.
@@ -90,7 +90,8 @@ class Analysis:
         """
         shape = self.elaboration.root(definition, values, overrides)
         self._root_arguments.append((shape, arguments))
-        self._root_values.append((shape, surroundings, values))
+        tunable = tunable_parameters(self.program, definition.parameters, arguments, overrides)
+        self._root_values.append((shape, surroundings, values, tunable))
         if (shape, surroundings) not in self._roots:
             self._roots.append((shape, surroundings))
         return shape
@@ -146,11 +147,11 @@ class Analysis:
         """
         laws: list[LawUse] = []
         by_context: dict[Placed, list[Occurrence]] = {}
-        for shape, surroundings, given in self._root_values:
+        for shape, surroundings, given, tunable in self._root_values:
             own = [] if surroundings == "unknown" else shape.definition.parameters
             values: dict[ast.Node, Value] = {one: given[one.name.text] for one in own if one.name.text in given}
             occurrences = Occurrences(self.program, self.elaboration, self.report)
-            occurrences.outermost(self.contexts.outermost(shape, surroundings), values)
+            occurrences.outermost(self.contexts.outermost(shape, surroundings), values, tunable)
             for found in occurrences.found:
                 by_context.setdefault(found.placed, []).append(found)
             laws += (law.use for law in occurrences.laws)

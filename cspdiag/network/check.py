@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from cspdiag.base import Report
 from cspdiag.model.program import Program, Value
 from cspdiag.network.analyse import Analysis
+from cspdiag.network.checks.fixed_values import check_fixed_values
 from cspdiag.network.checks.release import check_release
 from cspdiag.network.elaborate.definitions import arguments_of
 from cspdiag.network.elaborate.definitions_to_shapes import parameter_value
 from cspdiag.network.infer.contexts import Surroundings
 from cspdiag.network.lower import environments, external_bodies
-from cspdiag.network.occurrences import values_by_name
+from cspdiag.network.occurrences import tunable_parameters, values_by_name
 from cspdiag.network.submodels import classes as submodels
 from cspdiag.syntax import ast
 
@@ -22,6 +23,7 @@ def check(program: Program, report: Report) -> Analysis:
 
     Returns the analysis, which lowering can use again.
     """
+    check_fixed_values(program, report)
     analysis = analysed(program, report)
     check_release(program, analysis.inside_out(), report)
     submodels.check(program, report, analysis.law_samples(), analysis.laws)
@@ -76,8 +78,11 @@ def arguments_of_outermost(
 ) -> dict[ast.Node, Value]:
     """The values of the parameters of an outermost process, as far as they have one."""
     given = dict(arguments_of(process.parameters, arguments))
+    tunable = tunable_parameters(analysis.program, process.parameters, arguments, overrides)
     found: dict[ast.Node, Value] = {}
     for parameter in process.parameters:
+        if parameter.name.text in tunable:
+            continue
         value = overrides.get(parameter.name.text)
         expression = given.get(parameter, parameter.default)
         if value is None and expression is not None:

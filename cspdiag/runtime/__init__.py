@@ -70,6 +70,7 @@ from .kernel.exceptions import (
     Timeout,
 )
 from .kernel.observer import Observer
+from .kernel.parameters import Change, Parameter, ProgramParameters
 from .kernel.policy import Option, Policy
 from .kernel.scheduler import Task
 from .kernel.timers import begin_delay
@@ -92,6 +93,7 @@ __all__ = [
     "Broadcast",
     "Buffer",
     "Cancelled",
+    "Change",
     "Channel",
     "ChannelMisuse",
     "Constant",
@@ -120,10 +122,12 @@ __all__ = [
     "Outcome",
     "Output",
     "Overwriting",
+    "Parameter",
     "Part",
     "Policy",
     "Process",
     "ProcessError",
+    "ProgramParameters",
     "Ready",
     "Rendezvous",
     "Rounds",

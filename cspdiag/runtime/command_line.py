@@ -32,7 +32,7 @@ T = TypeVar("T")
 class Program(NamedTuple):
     """What is to be run; ``ports`` are the external ports for which an environment has drivers."""
 
-    build: Callable[[Mapping[str, Driver]], Network]
+    build: Callable[..., Network]
     environments: Mapping[str, Callable[[], Any]]
     ports: Sequence[str]
 
@@ -79,7 +79,13 @@ def _prepared(
         sys.exit(_say(f"{name} has no environment; build its network with drivers for {ports}", WRONG_USAGE))
     environment = _attempt(name, program.environments[given.environment]) if program.environments else None
     drivers = environment.drivers if environment is not None else {}
-    return given, environment, _attempt(name, lambda: program.build(drivers))
+    return given, environment, _attempt(name, lambda: _built(program, drivers, environment))
+
+
+def _built(program: Program, drivers: Mapping[str, Driver], environment: Any) -> Network:
+    """The network, with the parameters of its environment if there are any."""
+    parameters = getattr(environment, "parameters", None)
+    return program.build(drivers) if parameters is None else program.build(drivers, parameters)
 
 
 def _attempt(name: str, make: Callable[[], T]) -> T:

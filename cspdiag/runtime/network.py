@@ -21,6 +21,7 @@ from .kernel.clock import Clock, RealClock, VirtualClock
 from .kernel.durations import END_OF_TIME
 from .kernel.exceptions import EnvironmentFailure, RunFailed, text_of
 from .kernel.observer import Observer
+from .kernel.parameters import ProgramParameters
 from .kernel.party import Party
 from .kernel.policy import Policy
 from .kernel.scheduler import Scheduler, Task
@@ -39,9 +40,12 @@ from .real_time.preference import preferred
 class Network:
     """A program that can be run: its outermost process and its external ports, in the order of their declaration."""
 
-    def __init__(self, process: Process | Routine, ports: Sequence[Port] = ()) -> None:
+    def __init__(
+        self, process: Process | Routine, ports: Sequence[Port] = (), parameters: ProgramParameters | None = None
+    ) -> None:
         self.process = process
         self.ports = tuple(ports)
+        self.parameters = ProgramParameters() if parameters is None else parameters
         self._scheduler: Scheduler | None = None
         self._runs = False
 
@@ -178,6 +182,8 @@ class _Run:
         timers, heap = scheduler.timers, scheduler.timers.heap
         instants = self._instants
         until = END_OF_TIME if self._until is None else min(self._until, END_OF_TIME)
+        # The last instant before the next change of a parameter, or before the end of the run.
+        last = self._last_instant(until)
         never = until + 1
         root = self._root
         tick = instants.after(0) or never
@@ -185,7 +191,7 @@ class _Run:
             while run_ready():
                 stopping.check()
             if heap and heap[0] < tick and scheduler.policy is None:
-                scheduler.end_delays(min(tick, never), root)
+                scheduler.end_delays(min(tick, last + 1), root)
             if stopping.signal:
                 stopping.check()
             if root.ended:
@@ -196,13 +202,28 @@ class _Run:
                 if (awaited_end is None or awaited_end.waiter is None) and not instants.port_can_have_effect():
                     return self._deadlocked()
             instant = tick if timer is None or tick < timer else timer
-            if instant > until:
-                return self._limit_reached(until)
+            if instant > last:
+                if instant > until:
+                    return self._limit_reached(until)
+                self._change_parameters(instant)
+                last = self._last_instant(until)
             scheduler.now = instant
             if instant == tick:
-                tick = instants.pass_in_virtual_time(tick, never, scheduler, run_ready, root)
+                tick = instants.pass_in_virtual_time(tick, last + 1, scheduler, run_ready, root)
             if instant == timer:
                 timers.fall_due(instant)
+
+    def _last_instant(self, until: int) -> int:
+        """The last instant before the next change of a parameter, or before the time limit."""
+        change = self._network.parameters.next_change()
+        return until if change is None else min(until, change - 1)
+
+    def _change_parameters(self, now: int) -> None:
+        """Make the changes of parameters up to an instant, before anything happens at it."""
+        changed = getattr(self._observer, "changed", None)
+        for change in self._network.parameters.reach(now):
+            if changed is not None:
+                changed(now, change.parameter, change.path, change.value)
 
     def _running(self) -> Callable[[], bool]:
         if self._scheduler.policy is not None:
@@ -275,6 +296,7 @@ class _Run:
     def _start(self) -> None:
         self._observe()
         self._devices.open()
+        self._change_parameters(0)
         self._instants.start()
         for port in self._network.ports:
             if isinstance(port, EventInput) and port.polled:
@@ -325,6 +347,7 @@ class _Run:
         for period in self._instants.periods_at(instant):
             self._jitter[period].add(late)
         self._scheduler.now = instant
+        self._change_parameters(instant)
         self._instants.meet(instant, present)
         self._scheduler.timers.fall_due(instant)
 

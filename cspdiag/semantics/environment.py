@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.expression_walk import signals_read
 from cspdiag.network.ir.network import Environment, SubmodelClass
 from cspdiag.semantics.equations.laws import Law
-from cspdiag.semantics.values import zero
+from cspdiag.semantics.values import Cell, zero
 
 
 class Plant:
@@ -16,11 +17,11 @@ class Plant:
     instant»
     """
 
-    def __init__(self, environment: Environment) -> None:
+    def __init__(self, environment: Environment, parameters: Mapping[str, Cell]) -> None:
         assert environment.system is not None
         assert not environment.drivers, "devices have no specification"
         self.grid = Sampling(environment.step)
-        self.law = Law(environment.system, {})
+        self.law = Law(environment.system, parameters)
         self.inputs = {port.name: zero(port.type) for port in environment.system.ports if port.direction == "in"}
         self.results = [port.name for port in environment.system.ports if port.direction == "out"]
         self.changes = _read_by_changes(environment.system)

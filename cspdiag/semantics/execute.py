@@ -7,12 +7,13 @@ Processes are generators that yield requests (``requests``, ``choice``); channel
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from cspdiag.network.ir.external import external_bodies
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
 from cspdiag.semantics import outside
 from cspdiag.semantics.environment import Plant
+from cspdiag.semantics.equations.parameters import Change, Parameters
 from cspdiag.semantics.instances import ProcessInstance, Program, exception_name
 from cspdiag.semantics.media import Medium, Place
 from cspdiag.semantics.observer import Observer
@@ -28,19 +29,23 @@ def execute(
     look: Callable[[Scheduler], None] | None = None,
     scheduler: Callable[..., Scheduler] = Scheduler,
     observer: Observer | None = None,
+    changes: Iterable[Change] = (),
 ) -> Execution:
     """Run a network in an environment (the first one if none is named) to its end, or to ``until`` nanoseconds.
 
     «Scheduling and traces», «Environments and drivers»
 
     ``look`` is called with the state after each communication. ``scheduler`` makes the scheduler, if it is to be a
-    different one. ``observer`` is notified of everything as it happens.
+    different one. ``observer`` is notified of everything as it happens. ``changes`` are those of
+    parameters of the program.
     """
     chosen = next((e for e in network.environments if environment in (None, e.name)), None)
-    plant = None if chosen is None or chosen.system is None else Plant(chosen)
+    parameters = Parameters(network.parameters, changes)
+    plant = None if chosen is None or chosen.system is None else Plant(chosen, parameters.cells)
     world = scheduler(network.top, plant, timeouts=chosen is None or chosen.on_miss == "timeout")
     world.look = look
     world.observer = observer
+    world.parameters = parameters
     ports: dict[Place, Medium] = {}
     for port in network.external_ports:
         medium = _external(world, port, plant)
@@ -55,7 +60,9 @@ def execute(
     sys.setrecursionlimit(max(depth, 20_000))
     failure: RaisedError | None = None
     try:
-        program = ProcessInstance(Program(network, world), cls, network.top, dict(network.arguments), ports)
+        arguments = {**dict(network.arguments), **{own: parameters.cells[name] for own, name in network.tunable}}
+        program = ProcessInstance(Program(network, world), cls, network.top, arguments, ports)
+        world.change_parameters(0)
         if plant is not None:
             plant.start()
             for medium in world.inputs:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, assert_never
 
 from cspdiag.network.ir import actions as act
-from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.expressions import Expression, TunableValue
 from cspdiag.network.ir.network import (
     Connection,
     ConstantEnd,
@@ -116,7 +116,10 @@ class ProcessInstance:
 
     def _create(self, instance: InstanceOf) -> None:
         inner = self.program.network.class_named(instance.class_name)
-        arguments = {name: self.value(value) for name, value in instance.arguments}
+        arguments = {
+            name: self.parameters[value.name] if isinstance(value, TunableValue) else self.value(value)
+            for name, value in instance.arguments
+        }
         if isinstance(inner, ProcessClass):
             joined = {(c.port, c.index): self.attached(c) for c in instance.connections}
             path = f"{self.path}.{instance.name}"

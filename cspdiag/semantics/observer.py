@@ -27,3 +27,9 @@ class Observer(Protocol):
 
     def process_ended(self, time: int, path: str) -> None:
         """A process or a named group has ended. «The composition diagram»"""
+
+    def changed(self, time: int, parameter: str, path: tuple[int, ...], value: object) -> None:
+        """A parameter of the program, or the part of it at a path of positions, has a new value. «Parameters»"""
+
+    def refused_change(self, time: int, parameter: str, reason: str) -> None:
+        """A change was not made, because of the value that it gives, or of what follows from that. «Parameters»"""

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from cspdiag.model.sampling import Sampling
+from cspdiag.semantics.equations.parameters import Parameters
 from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.outside import EventInput, ExternalInput, SampledInput, SampledOutput
 from cspdiag.semantics.requests import CancelledError, Parent, Request, Run, Task, no_steps
@@ -83,6 +84,15 @@ class Scheduler:
         self.look: Callable[[Scheduler], None] | None = None
         """Called with the state after each communication."""
         self.observer: Observer | None = None
+        self.parameters: Parameters | None = None
+
+    def change_parameters(self, now: int) -> None:
+        """Make the changes of parameters up to an instant, before anything happens at it. «Parameters»"""
+        for change, reason in [] if self.parameters is None else self.parameters.reach(now):
+            if self.observer is not None and reason:
+                self.observer.refused_change(change.time, change.parameter, reason)
+            elif self.observer is not None:
+                self.observer.changed(now, change.parameter, change.path, change.value)
 
     def communicate(self, channel: str, value: Any, writer: str = "", reader: str = "") -> None:
         """Record a communication. «Traces»"""
@@ -254,6 +264,7 @@ class Scheduler:
     def instant(self, now: int) -> None:
         """Everything that happens at an instant before processes run. «An instant», «Time»"""
         self.now = now
+        self.change_parameters(now)
         outside = self.outside
         if outside is not None:
             on_grid = outside.grid.is_tick(now)

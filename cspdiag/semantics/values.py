@@ -25,6 +25,15 @@ from cspdiag.network.ir import expressions as ex
 Names = Callable[[str], Any]
 
 
+class Cell:
+    """A parameter of the program, or a constant that follows from some: all that use it see a change.
+    «Parameters»
+    """
+
+    def __init__(self, value: Any) -> None:
+        self.value = value
+
+
 class RaisedError(Exception):
     """An exception of the language: it ends a process unless a handler around it catches it. «Exceptions»"""
 
@@ -52,6 +61,8 @@ def value_of(
             return fitting(expression.type, expression.value)
         case ex.ParameterValue():
             return parameters[expression.name]
+        case ex.TunableValue():
+            return parameters[expression.name].value
         case ex.VariableValue():
             return variables(expression.channel)
         case ex.SignalValue():

@@ -15,7 +15,7 @@ from cspdiag.network.ir.network import Network
 from cspdiag.network.ir.walk import parts
 from cspdiag.semantics.trace import Communication, Execution
 from tests.conformance.sources import JUST_AFTER, InvalidProgramError, environments, network_of, programs_in, read
-from tests.conformance.targets import REFERENCE, RefusedError, Target
+from tests.conformance.targets import REFERENCE, EmulatedBoard, RefusedError, Target
 from tests.conformance.traces import compare, shown
 
 LIBRARY_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "^"})
@@ -81,6 +81,8 @@ def judge(
         return Verdict(name, environment, "refused", details=str(refusal))
     except Exception as crash:
         return Verdict(name, environment, "crashed", details="".join(traceback.format_exception(crash)[-6:]))
+    if isinstance(target, EmulatedBoard) and network.parameters:
+        expected = REFERENCE.run(network, environment, until, changed=False)
     if expected is None:
         expected = (
             _done_by_reference(name, environment, until, real) if name else REFERENCE.run(network, environment, until)

@@ -45,6 +45,20 @@ static int64_t next_end(csp_kernel *csp, int64_t from)
     }
 }
 
+/* Not beyond the next change of a parameter, which is made before everything else at its instant. */
+static int64_t before_change(csp_kernel *csp, int64_t end, int64_t last)
+{
+    const csp_tuning *const tuning = csp->program->tuning;
+    const int64_t next = csp_next(csp);
+    if ((tuning == NULL) || (next > last)) {
+        return end;
+    }
+    if ((tuning->next() <= next) && (end >= next)) {
+        tuning->make(csp, next);
+    }
+    return ((tuning->next() <= end) && (end >= next)) ? (tuning->next() - 1) : end;
+}
+
 static uint32_t some_steps(void)
 {
     return (chosen(3U) == 0U) ? 65536U : chosen(5U);
@@ -94,7 +108,7 @@ csp_ending csp_run(csp_kernel *given, int64_t until)
     while ((ending == CSP_BUDGET) || ((ending == CSP_MORE) && (end < last))) {
         if (ending == CSP_MORE) {
             end = next_end(csp, end);
-            end = (end < last) ? end : last;
+            end = before_change(csp, (end < last) ? end : last, last);
         }
         if (chosen(3U) == 0U) {
             csp = (csp == given) ? moved(&other, home) : moved(home, &other);

@@ -24,6 +24,7 @@ from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run import reference
 from cspdiag.simulate.run.execute import simulate
+from tests.conformance.random.changes import changes_of
 from tests.conformance.sources import read
 from tests.conformance.states import ObservedRun
 
@@ -115,7 +116,9 @@ class GeneratedPython:
             files = pipeline.generate(network, read, "python", self.level, traced=self.traced, observed=self.observed)
         except target_errors() as problem:
             raise RefusedError(str(problem)) from problem
-        return simulate(network, files, environment=environment, until=until, recorder=recorder)
+        return simulate(
+            network, files, environment=environment, until=until, recorder=recorder, changes=changes_of(network)
+        )
 
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
@@ -158,6 +161,7 @@ class NativeSimulation:
                 until=until,
                 fused=not self.observed,
                 options=("-O0", *WARNINGS),
+                changes=changes_of(network),
             )
         except target_errors() as problem:
             raise RefusedError(str(problem)) from problem
@@ -172,7 +176,7 @@ class NativeSimulation:
 
 @dataclass(frozen=True)
 class EmulatedBoard:
-    """The C on an emulated processor, with the mathematical functions of its library."""
+    """The C on an emulated processor, with the mathematical functions of its library; parameters keep their values."""
 
     board: Board
     level: int = 1
@@ -245,7 +249,7 @@ class SteppedSimulation:
             )
         except target_errors() as problem:
             raise RefusedError(str(problem)) from problem
-        return execution(built.run(until=until))
+        return execution(built.run(until=until, changes=changes_of(network)))
 
     def waits(
         self, network: Network, environment: str | None, until: int, communication: int
@@ -287,11 +291,12 @@ class Meaning:
         """It is always available."""
         return None
 
-    def run(self, network: Network, environment: str | None, until: int) -> Execution:
-        """See ``Target.run``."""
+    def run(self, network: Network, environment: str | None, until: int, *, changed: bool = True) -> Execution:
+        """See ``Target.run``; unless parameters are to be ``changed``, they keep their values."""
         if semantics.has_bodies_of_other_languages(network, environment):
             return READABLE.run(network, environment, until)
-        run = reference.simulate(network, environment=environment, until=until, recorder=Recorder())
+        changes = changes_of(network) if changed else []
+        run = reference.simulate(network, environment=environment, until=until, recorder=Recorder(), changes=changes)
         done = execution(run)
         if run.outcome.error is None:
             return done

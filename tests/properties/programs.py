@@ -15,6 +15,13 @@ TYPES = ("int", "double", "bool", "int16", "Mode")
 INITIAL = {"int": "0", "double": "0.0", "bool": "false", "int16": "int16(0)", "Mode": "Mode.idle"}
 
 
+PARAMETERS = """struct Pair { gain: double  step: int16 }
+parameter p_int : int = 2
+parameter p_bool : bool = true
+parameter p_Mode : Mode = Mode.run
+parameter pair : Pair = Pair(gain = 0.75, step = 4)
+const followed = pair.gain * 2 + 0.25"""
+
 LAW = """submodel Law(gain: double = 0.75) {
     in x : double
     out y : double
@@ -70,11 +77,11 @@ def value(draw: st.DrawFn, kind: str, depth: int = 2) -> str:
     """An expression of a type over the variables ``v_<type>`` and ``n``."""
     if depth == 0 or draw(st.booleans()):
         literals = {
-            "int": st.sampled_from(["0", "1", "7", "-3", "n", "v_int"]),
-            "double": st.sampled_from(["0.5", "1.25", "-2.0", "v_double"]),
-            "bool": st.sampled_from(["true", "false", "v_bool"]),
-            "int16": st.sampled_from(["int16(3)", "v_int16"]),
-            "Mode": st.sampled_from(["Mode.idle", "Mode.run", "v_Mode"]),
+            "int": st.sampled_from(["0", "1", "7", "-3", "n", "v_int", "p_int"]),
+            "double": st.sampled_from(["0.5", "1.25", "-2.0", "v_double", "followed", "pair.gain"]),
+            "bool": st.sampled_from(["true", "false", "v_bool", "p_bool"]),
+            "int16": st.sampled_from(["int16(3)", "v_int16", "pair.step"]),
+            "Mode": st.sampled_from(["Mode.idle", "Mode.run", "v_Mode", "p_Mode"]),
         }
         return draw(literals[kind])
     inner = lambda k: value(draw, k, depth - 1)  # noqa: E731
@@ -194,7 +201,11 @@ def leaf_text(draw: st.DrawFn, leaf: Leaf) -> str:
     variables = [f"        var v_{kind} : {kind} = {INITIAL[kind]}" for kind in TYPES]
     variables += ["        var n : int = 0", "        var k : int = 0"]
     if leaf.law:
-        variables += ["        law : Law", "        sample_in -> law.x", "        law.y -> sample_out"]
+        variables += [
+            f"        law : Law{draw(st.sampled_from(['', '(pair.gain)', '(gain = 1 - followed)']))}",
+            "        sample_in -> law.x",
+            "        law.y -> sample_out",
+        ]
     return "\n".join(
         [
             f"process {leaf.name} {{",
@@ -267,6 +278,7 @@ def programs(draw: st.DrawFn) -> str:
         "\n\n".join(
             [
                 "enum Mode { idle, run }\n\nexception Overheated",
+                PARAMETERS,
                 LAW,
                 CELLS,
                 *definitions,
@@ -274,10 +286,11 @@ def programs(draw: st.DrawFn) -> str:
                 f"{period}\n"
                 f"    communication {{\n{instances}\n{arrows}\n    }}\n    composition {{\n        {running}\n    "
                 f"}}\n}}",
-                "submodel Plant {\n    in force : double\n    out level : double\n    out press : int\n"
+                "submodel Plant(decay: double) {\n    in force : double\n    out level : double\n    out press : int\n"
                 "    state x : double = 1.0\n    state count : int = 0\n"
-                "    der x = force - 0.5 * x\n    next count = count + 1\n    level = x\n    press = count / 7\n}",
-                "environment Bench for Top step 1 ms {\n    plant : Plant\n    drive -> plant.force\n"
+                "    der x = force - decay * x\n    next count = count + 1\n    level = x\n    press = count / 7\n}",
+                "environment Bench for Top step 1 ms {\n    plant : Plant(decay = followed * 0.25)\n"
+                "    drive -> plant.force\n"
                 "    plant.level -> level\n    plant.press -> press\n}",
             ]
         )

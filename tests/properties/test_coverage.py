@@ -58,7 +58,7 @@ def test_every_construct_occurs() -> None:
     def count(text: str) -> None:
         found.update(constructs(network_of(SourceFile(name="random.csp", text=text))))
 
-    for start in range(12):
+    for start in range(14):
         draw_programs(count, 15, start)
     assert sorted(WANTED - set(found)) == []
     assert len(NESTED & set(found)) >= 0.8 * len(NESTED)

@@ -29,6 +29,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -104,7 +105,7 @@ class Linearization:
         match expression:
             case LiteralValue():
                 return expression.value
-            case ParameterValue():
+            case ParameterValue() | TunableValue():
                 return self.parameters[expression.name]
             case SignalValue():
                 return self.signals[expression.name]

@@ -35,7 +35,8 @@ class LinearizedProgram:
         self.network = network
         self.environment = environment
         self.search = search or FeedbackSearch(network, environment)
-        self.plant = linearize(environment.system, {}, point=point)
+        before = {parameter.name: parameter.value for parameter in network.parameters}
+        self.plant = linearize(environment.system, before, point=point)
         _refuse_offsets(network, self.plant)
         self.classes = {
             instance.path: entry

@@ -67,7 +67,9 @@ def _definition(program: Program, definition: ast.Definition) -> Iterator[str]:
     kind = type(definition).__name__.removesuffix("Definition").lower()
     name = definition.name.text
     if isinstance(definition, ast.Constant):
-        yield f"constant {name} : {program.types.get(definition, '?')} = {program.constants.get(definition, '?')}"
+        value = program.constants.get(definition, program.tunable.get(definition, "?"))
+        kind = "parameter" if definition.tunable else "constant"
+        yield f"{kind} {name} : {program.types.get(definition, '?')} = {value}"
         return
     yield f"{kind} {name}"
     for parameter in getattr(definition, "parameters", ()):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
@@ -18,9 +18,12 @@ from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
     from cspdiag.cli.support.runs.standstill import ObservedProgram
+    from cspdiag.cli.support.runs.tuned import Tuning
     from cspdiag.model.types import Type
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Built
+    from cspdiag.runtime.kernel.parameters import Change
+    from cspdiag.runtime.network import Network
     from cspdiag.simulate.native.run import NativeProgram, Observed
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.record.stored.inputs import RecordedInputs
@@ -36,12 +39,18 @@ EXAMPLE = (
 
 @record
 class Given:
-    """Where a run takes its inputs from, and where its values go, if that was asked for."""
+    """Where a run takes its inputs and changes of parameters from, and where its values go, if that was asked for."""
 
     recording: Recording | None
     inputs: RecordedInputs | None
+    tuning: Tuning | None
 
     __hash__ = object.__hash__
+
+    @property
+    def changes(self) -> Sequence[Change]:
+        """The changes of parameters that are known before the run."""
+        return () if self.tuning is None else self.tuning.changes
 
 
 _ENDINGS = {
@@ -99,6 +108,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--inputs", metavar="FILE", help="take the inputs from a recording instead of the environment, to its end"
     )
+    parser.add_argument(
+        "--tune", nargs="?", const="-", metavar="FILE",
+        help="change parameters while the program runs, by lines such as `at 2 s gains.kp = 3`; without FILE from "
+        "standard input, in real time as they come",
+    )  # fmt: skip
     parser.add_argument(
         "--messages", choices=("ros2", "json"), default="ros2",
         help="what an .mcap file consists of: messages of ROS 2, exact and fast, or JSON (default: ros2)",
@@ -168,7 +182,7 @@ def run(arguments: Namespace) -> int:
         if arguments.whole_process:
             stay_running(real_time=arguments.real_time)
         try:
-            result, recording = _recorded(arguments, built.network, until)
+            result, recording = _recorded(arguments, built, until)
         except Stopped as stopped:
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before the run began")
             return stopped.exit_code
@@ -228,18 +242,23 @@ def _built(arguments: Namespace) -> Built:
     return built
 
 
-def _recorded(arguments: Namespace, network: CoreNetwork, until: int | None) -> tuple[Run, Recording | None]:
+def _recorded(arguments: Namespace, built: Built, until: int | None) -> tuple[Run, Recording | None]:
     """The run, and its recording, which is not finished."""
+    from cspdiag.cli.support.runs.tuned import tuning_of
     from cspdiag.simulate.run.execute import NoEnvironmentError
 
+    program, network = built.checked.program, built.network
+    assert program is not None
+    assert network is not None
     try:
+        tuning = tuning_of(arguments, program, network)
         inputs = given_inputs(arguments, network)
         until = limited(until, inputs)
         recording = opened_recording(arguments, network)
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
     try:
-        return _simulate(arguments, network, until, Given(recording, inputs)), recording
+        return _simulate(arguments, network, until, Given(recording, inputs, tuning)), recording
     except BaseException:
         if recording is not None:
             recording.discard()
@@ -312,6 +331,7 @@ def _simulate_on_reference(
             recorder=recorder,
             recording=given.recording,
             inputs=given.inputs,
+            changes=given.changes,
         )
     except (NoEnvironmentError, NoMeaningError) as problem:
         raise UsageError(str(problem)) from None
@@ -339,6 +359,12 @@ def _simulate_in_python(
             observed=True,
             probed=arguments.plot is not None,
         )
+
+    def started(running: Network) -> None:
+        if given.tuning is not None:
+            given.tuning.attach(running)
+        on_start(ProgramInThread(running))
+
     return simulate(
         network,
         files,
@@ -348,7 +374,8 @@ def _simulate_in_python(
         recorder=recorder,
         probe_variables=arguments.plot is not None,
         measured=_is_measured(arguments),
-        on_start=lambda network: on_start(ProgramInThread(network)),
+        on_start=started,
+        changes=given.changes,
         recording=given.recording,
         inputs=given.inputs,
     )
@@ -379,6 +406,7 @@ def _simulate_native(
         board=None if arguments.on is None else BOARDS[arguments.on],
         recording=given.recording,
         inputs=given.inputs,
+        changes=given.changes,
     )
 
 
@@ -393,7 +421,9 @@ def _simulate_on_either(
     from cspdiag.simulate.native.choice import NotNative, native_if_possible, run_either
 
     program: NativeProgram | NotNative = NotNative(reason="a plot shows the variables inside processes")
-    if arguments.plot is None:
+    if given.tuning is not None and given.tuning.live:
+        program = NotNative(reason="parameters are changed while it runs")
+    elif arguments.plot is None:
         program = native_if_possible(
             network,
             read_source,
@@ -412,6 +442,7 @@ def _simulate_on_either(
             observed=_observed(arguments),
             recording=given.recording,
             inputs=given.inputs,
+            changes=given.changes,
         ),
         lambda: _simulate_in_python(arguments, network, until, recorder, given, on_start),
     )

@@ -129,6 +129,8 @@ def _plant(package: Package, options: Options) -> dict[str, str]:
             "  help: use both in your simulator"
         )
     writer = EnvironmentFiles(environment, package.network, package.names, package.types)
+    if writer.uses_parameters:
+        raise TargetError(f"{environment.name} uses parameters of the program, which an FMU of it alone does not have")
     kernel = [path for path in package.project.kernel if not path.endswith(OWNERS)]
     own = [f"{writer.name}.c", f"{SUPPORT}/csp_linear.c", *kernel]
     sources = _sources(package, [*own, *(path for path in package.by_hand if path.endswith(".c"))])

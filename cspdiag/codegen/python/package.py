@@ -12,7 +12,13 @@ from importlib.resources import files as package_files
 from importlib.resources.abc import Traversable
 
 from cspdiag.base.record import EMPTY
-from cspdiag.codegen.python.plain.definitions import constant_lines, enum_views, exception_views, struct_views
+from cspdiag.codegen.python.plain.definitions import (
+    constant_lines,
+    enum_views,
+    exception_views,
+    parameters_module,
+    struct_views,
+)
 from cspdiag.codegen.python.plain.environments import EnvironmentModule, environment_module
 from cspdiag.codegen.python.plain.external import ExternalModules, device_modules
 from cspdiag.codegen.python.plain.network import network_view
@@ -84,6 +90,8 @@ def frame(
     if network.constants:
         imports, constants = constant_lines(network, names)
         add(f"{package}/constants.py", "constants.py.j2", imports=imports, constants=constants)
+    if network.parameters:
+        add(f"{package}/parameters.py", "parameters.py.j2", module=parameters_module(network, names), project=project)
     if network.enums or network.structs:
         enums, (imports, structs) = enum_views(network, names), struct_views(network, names)
         add(f"{package}/types.py", "types.py.j2", imports=imports, enums=enums, structs=structs)

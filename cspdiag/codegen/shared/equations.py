@@ -9,7 +9,7 @@ from cspdiag.base.record import replaced
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.expressions import Expression, ParameterValue, PresentTime, SignalValue
+from cspdiag.network.ir.expressions import Expression, ParameterValue, PresentTime, SignalValue, TunableValue
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass, SubmodelState
 from cspdiag.network.ir.walk import parts
 
@@ -23,7 +23,7 @@ def signals(items: Iterable[object]) -> Counter[str]:
 
 def parameters(items: Iterable[object]) -> Counter[str]:
     """How often expressions read each parameter."""
-    return Counter(part.name for part in parts(tuple(items)) if isinstance(part, ParameterValue))
+    return Counter(part.name for part in parts(tuple(items)) if isinstance(part, ParameterValue | TunableValue))
 
 
 def uses_time(items: Iterable[object]) -> bool:

@@ -34,6 +34,11 @@ KINDS: dict[type[ast.Node], str] = {
 """The names of the kinds of definitions, in the order in which changes are reported."""
 
 
+def kind_of(definition: ast.Definition) -> str:
+    """The name of the kind of a definition."""
+    return "parameter" if isinstance(definition, ast.Constant) and definition.tunable else KINDS[type(definition)]
+
+
 def definition_parts(definition: ast.Definition) -> Parts:
     """The parts of a definition that are not elements of a diagram."""
     parts: Parts = {}
@@ -44,7 +49,11 @@ def definition_parts(definition: ast.Definition) -> Parts:
                 "",
                 "",
                 definition,
-                {"type": texts.optional(definition.type), "value": texts.written(definition.value)},
+                {
+                    "changes": "while the program runs" if definition.tunable else "never",
+                    "type": texts.optional(definition.type),
+                    "value": texts.written(definition.value),
+                },
             )
         case ast.TypeAliasDefinition():
             _add(parts, "", "", definition, {"type": texts.written(definition.type)})

@@ -7,7 +7,7 @@ from typing import assert_never
 
 from cspdiag.base.record import record, replaced
 from cspdiag.draw.differences.change import Change, compare
-from cspdiag.draw.differences.parts import KINDS, definition_parts, diagram_parts
+from cspdiag.draw.differences.parts import KINDS, definition_parts, diagram_parts, kind_of
 from cspdiag.draw.differences.renames import pairs, renamed, vertex_renames, with_matched_arrows
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.communication import Drawn
@@ -75,7 +75,7 @@ class _Comparison:
             if type(kept) is not type(definition):
                 self._definition(name, definition, None, changes, diagrams)
         changes += self._assertions()
-        order = list(KINDS.values())
+        order = ["const", "parameter", *list(KINDS.values())[1:]]
         changes.sort(key=lambda change: order.index(change.kind) if change.kind in order else len(order))
         return Difference(tuple(changes), tuple(diagrams))
 
@@ -89,7 +89,7 @@ class _Comparison:
     ) -> None:
         shown = new or old
         assert shown is not None
-        kind = KINDS[type(shown)]
+        kind = kind_of(shown)
         whole = Change(
             action="changed",
             kind=kind,
@@ -190,7 +190,7 @@ class _Comparison:
         old = {id(item): self._content(self.before, item) for item in removed}
         new = {id(item): self._content(self.after, item) for item in added}
         found: dict[str, str] = {}
-        for first, second in pairs(removed, added, lambda item: KINDS[type(item)]):
+        for first, second in pairs(removed, added, kind_of):
             one, other = old[id(first)], new[id(second)]
             if one and len(one & other) >= ALIKE * max(len(one), len(other)):
                 found[first.name.text] = second.name.text

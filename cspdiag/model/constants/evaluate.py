@@ -34,7 +34,7 @@ def evaluate(
     program: Program, expression: ast.Expression, values: Mapping[ast.Node, Value], report: Report
 ) -> Value | None:
     """The value of a typed expression, given those of parameters and replicators (``ast.Parameter``,
-    ``ast.Replicator``).
+    ``ast.Replicator``), and of parameters of the program (``ast.Constant``) where these may be used.
 
     None if part of it is unknown or has a mistake that was reported; overflow, division by zero and indexes out of
     range are reported here. A ``time`` is in nanoseconds unless the type of the expression is a number of seconds.
@@ -133,7 +133,7 @@ class _Evaluator:
         symbol = self.program.bindings.get(expression)
         match symbol:
             case ast.Constant():
-                return self.program.constants.get(symbol)
+                return self.program.constants.get(symbol, self.values.get(symbol))
             case ast.Parameter() | ast.Replicator():
                 return self.values.get(symbol)
             case BuiltinSymbol(name="pi"):

@@ -14,11 +14,11 @@ from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.declared_types import declared_type
 from cspdiag.model.expressions.functions import FUNCTIONS
 from cspdiag.model.expressions.numbers import Typer
-from cspdiag.model.program import Scope
+from cspdiag.model.program import Scope, Value
 from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, RESERVED_VALUES, TYPE_NAMES, described
 from cspdiag.model.types import TEXT, UNKNOWN, EnumType, StructType, Type
 from cspdiag.syntax import ast
-from cspdiag.syntax.walk import nodes
+from cspdiag.syntax.walk import names, nodes
 
 ConstantOrType = ast.Constant | ast.TypeAliasDefinition | ast.StructDefinition
 
@@ -167,14 +167,23 @@ def _resolve_constant(context: Context, typer: Typer, item: ast.Constant) -> Non
     override = program.overrides.get(name)
     if isinstance(override, str):
         override = parse_value(found, override)
-    value = override if override is not None else evaluate(program, item.value, {}, context.report)
+    known: dict[ast.Node, Value] = dict(program.tunable.items())
+    value = override if override is not None else evaluate(program, item.value, known, context.report)
     for path, part in program.overrides.items():
         if value is not None and path.startswith((f"{name}.", f"{name}[")):
             value = with_part(found, value, path[len(name) :], part)
     if value is None:
         program.poisoned.add(item)
+    elif item.tunable or (override is None and _follows(context, item)):
+        program.tunable[item] = value
     else:
         program.constants[item] = value
+
+
+def _follows(context: Context, item: ast.Constant) -> bool:
+    """Whether the value of a constant changes with a parameter of the program."""
+    program = context.program
+    return any(program.bindings.get(name) in program.tunable for name in names((item.value,)))
 
 
 def _refuse_duplicates(context: Context, names: tuple[ast.Identifier, ...], where: str, kind: str) -> None:

@@ -82,3 +82,30 @@ class HandlerNeverRuns(Diagnostic):
     @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.declared, f"`{self.exception}` is declared here"),)
+
+
+@record
+class MayChange(Diagnostic):
+    code = "E0911"
+    title = "a parameter of the program where a value is needed that never changes"
+
+    name: str
+    what: str
+    parameter: str
+    """The parameter itself, or the one from which the constant of that name follows."""
+    declared: Span
+
+    @property
+    def message(self) -> str:
+        follows = "" if self.name == self.parameter else f" follows from `{self.parameter}`, which"
+        return f"`{self.name}`{follows} may change while the program runs, but this is {self.what}"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.declared, f"`{self.parameter}` is a parameter of the program"),)
+
+    @property
+    def help(self) -> str:
+        return (
+            f"write `const` instead of `parameter`: a constant can be set before a run, with `--set {self.parameter}=…`"
+        )

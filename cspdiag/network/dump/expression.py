@@ -20,6 +20,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     Value,
     VariableValue,
@@ -64,7 +65,7 @@ def _text(expression: Expression) -> tuple[str, int]:
         case LiteralValue():
             text = expression.name or value_text(expression.value, expression.type)
             return text, _UNARY_LEVEL["-"] if text.startswith("-") else _TOP
-        case ParameterValue() | SignalValue():
+        case ParameterValue() | TunableValue() | SignalValue():
             return expression.name, _TOP
         case VariableValue():
             return expression.channel, _TOP

@@ -76,6 +76,12 @@ def _indented(lines: Iterable[str]) -> Iterator[str]:
 def _vocabulary(network: Network) -> Iterator[str]:
     for constant in network.constants:
         yield f"const {constant.name} : {constant.type} = {value_text(constant.value, constant.type)}"
+    for parameter in network.parameters:
+        if parameter.follows is None:
+            text = value_text(parameter.value, parameter.type)
+            yield f"parameter {parameter.name} : {parameter.type} = {text}"
+        else:
+            yield f"const {parameter.name} : {parameter.type} follows {expression_text(parameter.follows)}"
     for enum in network.enums:
         yield f"enum {enum.name} {{ {', '.join(enum.literals)} }}"
     for struct in network.structs:
@@ -99,7 +105,7 @@ def _class(entry: ProcessClass | SubmodelClass) -> Iterator[str]:
 def _parameters(parameters: tuple[ClassParameter, ...]) -> str:
     if not parameters:
         return ""
-    texts = (f"{'derived ' if p.derived else ''}{p.name}: {p.type}" for p in parameters)
+    texts = (f"{'tunable ' if p.tunable else 'derived ' if p.derived else ''}{p.name}: {p.type}" for p in parameters)
     return f"({', '.join(texts)})"
 
 

@@ -22,6 +22,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     Value,
     VariableValue,
@@ -67,7 +68,7 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
             if found is None:
                 raise _NoValueError
             return found
-        case VariableValue() | PresentTime():
+        case TunableValue() | VariableValue() | PresentTime():
             raise _NoValueError
         case UnaryOperation():
             operand = value(expression.operand)

@@ -42,6 +42,7 @@ from cspdiag.network.ir.expressions import (
     ParameterValue,
     PresentTime,
     StructValue,
+    TunableValue,
     UnaryOperation,
     Value,
 )
@@ -147,6 +148,8 @@ class _Lowering:
                 return ParameterValue(type=declared, name=symbol.name.text, span=span)
             case ast.Constant():
                 declared = self.program.types.get(symbol, wanted)
+                if symbol in self.program.tunable:
+                    return TunableValue(type=declared, name=symbol.name.text, of_program=True, span=span)
                 value = self.program.constants.get(symbol)
                 if value is None:
                     return _unknown(span)

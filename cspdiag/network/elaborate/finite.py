@@ -29,6 +29,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -92,9 +93,9 @@ def _has_domain(expression: Expression) -> bool:
         case FunctionCall(function=function):
             return function in _HAS_DOMAIN
         case (
-            LiteralValue() | ParameterValue() | VariableValue() | SignalValue() | PresentTime() | UnaryOperation()
-            | BinaryOperation() | ConditionalValue() | Conversion() | FieldValue() | ElementValue() | StructValue()
-            | ArrayElements()
+            LiteralValue() | ParameterValue() | TunableValue() | VariableValue() | SignalValue() | PresentTime()
+            | UnaryOperation() | BinaryOperation() | ConditionalValue() | Conversion() | FieldValue() | ElementValue()
+            | StructValue() | ArrayElements()
         ):  # fmt: skip
             return False
         case _:
@@ -153,8 +154,8 @@ def _may_be_none(expression: Expression, untested: set[str] | frozenset[str]) ->
             narrowed = expression.type.bits == 32 and isinstance(operand.type, RealType) and operand.type.bits == 64
             return narrowed or _may_be_none(operand, untested)
         case (
-            LiteralValue() | ParameterValue() | VariableValue() | PresentTime() | UnaryOperation() | FunctionCall()
-            | StructValue() | ArrayElements()
+            LiteralValue() | ParameterValue() | TunableValue() | VariableValue() | PresentTime() | UnaryOperation()
+            | FunctionCall() | StructValue() | ArrayElements()
         ):  # fmt: skip
             return any(_may_be_none(part, untested) for part in operands(expression))
         case _:

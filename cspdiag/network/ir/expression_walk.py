@@ -20,6 +20,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -42,6 +43,7 @@ def _operand(expression: UnaryOperation | Conversion | FieldValue) -> tuple[Expr
 _OPERANDS: dict[type, Callable[[Any], tuple[Expression, ...]]] = {
     LiteralValue: _none,
     ParameterValue: _none,
+    TunableValue: _none,
     VariableValue: _none,
     SignalValue: _none,
     PresentTime: _none,

@@ -47,6 +47,19 @@ class ParameterValue(Typed):
 
 
 @record(kw_only=True)
+class TunableValue(Typed):
+    """The present value of a parameter of the program, which may change between two instants.
+
+    In a class it is that of the class's own parameter with this name, which is a reference to one of the program. It is
+    ``of_program`` in environments, in what follows from parameters of the program, and until classes have such
+    parameters.
+    """
+
+    name: str
+    of_program: bool = False
+
+
+@record(kw_only=True)
 class VariableValue(Typed):
     """The present value of a channel of kind ``var`` of the enclosing process class; reading it is not a communication.
 
@@ -161,6 +174,7 @@ class ArrayElements(Typed):
 Expression: TypeAlias = (
     LiteralValue
     | ParameterValue
+    | TunableValue
     | VariableValue
     | SignalValue
     | PresentTime

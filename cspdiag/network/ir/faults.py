@@ -25,6 +25,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -60,6 +61,7 @@ def operation_may_fault(part: Expression) -> bool:
         case (
             LiteralValue()
             | ParameterValue()
+            | TunableValue()
             | VariableValue()
             | SignalValue()
             | PresentTime()

@@ -36,11 +36,13 @@ class ClassParameter(Declared):
     """A constant that each instance provides.
 
     ``derived`` parameters are added by the compiler: the sample period (name ``sample``, type double, in seconds),
-    coefficients of discretized operators, and constants passed on to instances inside.
+    coefficients of discretized operators, and constants passed on to instances inside. A ``tunable`` one refers to a
+    parameter of the program: its argument is a ``TunableValue``, and is passed by reference.
     """
 
     type: Type
     derived: bool = False
+    tunable: bool = False
 
 
 @record(kw_only=True)
@@ -49,6 +51,18 @@ class NamedConstant(Declared):
 
     type: Type
     value: Value
+
+
+@record(kw_only=True)
+class ProgramParameter(Declared):
+    """A ``parameter`` of the text, or a ``const`` that follows from some.
+
+    ``value`` is the one before any change. ``follows`` computes that of a ``const`` from the parameters before it.
+    """
+
+    type: Type
+    value: Value
+    follows: Expression | None = None
 
 
 @record
@@ -319,6 +333,10 @@ class Network(Generic[A_co]):
     """Class name of the outermost process, which is also the first part of every path."""
     arguments: tuple[tuple[str, Value], ...]
     constants: tuple[NamedConstant, ...]
+    parameters: tuple[ProgramParameter, ...]
+    """In an order in which each follows from those before it."""
+    tunable: tuple[tuple[str, str], ...]
+    """The tunable parameters of the outermost process, each with the parameter of the program that it refers to."""
     enums: tuple[EnumType, ...]
     structs: tuple[StructType, ...]
     exceptions: tuple[str, ...]

@@ -34,6 +34,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -132,7 +133,7 @@ def _result(expression: Expression, known: Lookup = of_instances) -> Range:
             lows, highs = zip(*(value_range(argument, known) for argument in arguments), strict=True)
             return choose(lows), choose(highs)
         case (
-            LiteralValue() | UnaryOperation() | FunctionCall() | Conversion()
+            LiteralValue() | TunableValue() | UnaryOperation() | FunctionCall() | Conversion()
             | FieldValue() | ElementValue() | StructValue() | ArrayElements()
         ):  # fmt: skip
             return limits_of(expression.type)

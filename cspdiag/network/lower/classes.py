@@ -7,7 +7,7 @@ if all occurrences agree, by any ``time`` parameter with the same value, or else
 
 from __future__ import annotations
 
-from typing import TypeAlias, assert_never
+from typing import Any, TypeAlias, assert_never
 
 from cspdiag.base import Report
 from cspdiag.base.record import replaced
@@ -17,7 +17,8 @@ from cspdiag.network.elaborate.definitions import Definitions, arguments_of
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression, lower_period
 from cspdiag.network.infer.ends import ReadingEnds, with_ends
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
-from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, ParameterValue
+from cspdiag.network.ir.everywhere import rewritten
+from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
     Attachment,
     ClassParameter,
@@ -109,7 +110,7 @@ class Classes:
         groups: dict[CoreClass, list[Occurrence]] = {}
         for occurrence in occurrences:
             inside = tuple(self.class_of[child] for child in occurrence.children.values())
-            key = (occurrence.placed, inside)
+            key = (occurrence.placed, inside, occurrence.tunable)
             sketch = sketches.get(key)
             if sketch is None:
                 sketch = sketches[key] = _Sketch(self, occurrence).process_class()
@@ -135,7 +136,7 @@ class _Sketch:
         definition = self.occurrence.definition
         external = definition.external
         body = self.shape.body
-        return ProcessClass(
+        made: CoreClass = ProcessClass(
             name=definition.name.text,
             definition=definition.name.text,
             doc=definition.doc,
@@ -151,6 +152,13 @@ class _Sketch:
             external=None if external is None else external_body(external),
             wcet=self._wcet(definition.wcet),
         )
+        return rewritten(made, self._tunable) if self.occurrence.tunable else made
+
+    def _tunable(self, part: Any) -> Any:
+        """A use of a parameter that follows parameters of the program."""
+        if isinstance(part, ParameterValue) and part.name in self.occurrence.tunable:
+            return TunableValue(type=part.type, name=part.name, span=part.span)
+        return part
 
     def _wcet(self, expression: ast.Expression | None) -> int | None:
         if expression is None:
@@ -165,6 +173,7 @@ class _Sketch:
             doc=parameter.doc,
             span=parameter.name.span,
             type=self.program.types.get(parameter, UNKNOWN),
+            tunable=parameter.name.text in self.occurrence.tunable,
         )
 
     def _port(self, port: PortShape) -> Port:

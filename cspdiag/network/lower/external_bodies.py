@@ -11,7 +11,7 @@ from cspdiag.base import Report
 from cspdiag.base.record import record
 from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.program import Program
-from cspdiag.network.checks.devices import check_device
+from cspdiag.network.checks.drivers.devices import check_device
 from cspdiag.network.diagnostics.external import DriverWithoutBody, MalformedTarget, MixedBody, UnsupportedLanguage
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.submodels.inline import external_body
@@ -97,7 +97,7 @@ def check(program: Program, report: Report) -> None:
         elif not _parts(pattern, external.target):
             report.add(MalformedTarget(external.target_span, language, external.target))
         elif language == LANGUAGE and isinstance(definition, ast.SubmodelDefinition):
-            from cspdiag.network.checks.fmus import check_fmu
+            from cspdiag.network.checks.drivers.fmus import check_fmu
 
             check_fmu(program, definition, external, report)
         if _has_own_body(definition):

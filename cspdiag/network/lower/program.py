@@ -12,16 +12,20 @@ from cspdiag.base.spelling import Speller
 from cspdiag.model.program import Program, Value
 from cspdiag.network.analyse import Analysis
 from cspdiag.network.check import arguments_of_outermost, environments_of, process_of
+from cspdiag.network.elaborate.definitions import arguments_of
+from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
 from cspdiag.network.elaborate.vocabulary import Vocabulary
 from cspdiag.network.infer.contexts import Surroundings
 from cspdiag.network.infer.parameter_ranges import with_ranges
+from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import CoreNetwork, Network
 from cspdiag.network.lower.classes import Classes
 from cspdiag.network.lower.environments import lower_environment
 from cspdiag.network.lower.external_ports import external_ports
 from cspdiag.network.lower.instances import walk_instances
 from cspdiag.network.lower.setting_paths import of_root, refuse_missing
-from cspdiag.network.occurrences import Occurrences, instance_names, values_by_name
+from cspdiag.network.lower.tunable import bound, program_parameters
+from cspdiag.network.occurrences import Occurrences, instance_names, tunable_parameters, values_by_name
 from cspdiag.syntax import ast
 
 
@@ -54,8 +58,9 @@ def lower(
     arguments = wanted[0].arguments if wanted else ()
     own = of_root(overrides, process)
     values = arguments_of_outermost(analysis, process, arguments, own)
+    tunable = tunable_parameters(program, process.parameters, arguments, own)
     for parameter in process.parameters:
-        if parameter not in values:
+        if parameter not in values and parameter.name.text not in tunable:
             raise SelectionError(
                 f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
                 f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
@@ -71,7 +76,7 @@ def lower(
     else:
         shape, placed = root
     occurrences = Occurrences(program, analysis.elaboration, report)
-    outermost = occurrences.outermost(placed, values)
+    outermost = occurrences.outermost(placed, values, tunable)
     if not occurrences.flatten():
         return None
     classes = Classes(program, analysis.definitions, analysis.relations, report)
@@ -90,7 +95,10 @@ def lower(
     )
     if report.has_errors:
         return None
-    vocabulary = Vocabulary(program, (*classes.made.values(), *ports, *lowered))
+    computed = _arguments_of_program(program, process, arguments, tunable)
+    parameters = program_parameters(program, (*classes.made.values(), *lowered, *computed.values()))
+    tuned = bound(classes.made, classes.class_of[outermost], computed, instances, parameters)
+    vocabulary = Vocabulary(program, (*tuned.classes.values(), *ports, *lowered, *parameters))
     return Network(
         name=_package_name(program, process),
         source=program.main.source.name,
@@ -98,15 +106,42 @@ def lower(
         doc=process.doc,
         arguments=tuple(values_by_name(values).items()),
         constants=vocabulary.constants(),
+        parameters=parameters,
+        tunable=tuned.outermost,
         enums=vocabulary.enums(),
         structs=vocabulary.structs(),
         exceptions=vocabulary.exceptions(),
-        classes=with_ranges(classes.made.values(), instances),
+        classes=with_ranges(tuned.classes.values(), tuned.instances),
         external_ports=ports,
         environments=lowered,
-        instances=instances,
+        instances=tuned.instances,
         nets=nets,
     )
+
+
+def _arguments_of_program(
+    program: Program,
+    process: ast.ProcessDefinition,
+    arguments: tuple[ast.Argument, ...],
+    tunable: frozenset[str],
+) -> dict[str, Expression]:
+    """The arguments of those parameters of an outermost process that follow parameters of the program; a default may
+    use parameters before it.
+    """
+    given = dict(arguments_of(process.parameters, arguments))
+    known: dict[str, Expression] = {}
+
+    def own(name: ast.Name | ast.Member | ast.Reference) -> Expression | None:
+        symbol = program.bindings.get(name)
+        return known.get(symbol.name.text) if isinstance(symbol, ast.Parameter) else None
+
+    for parameter in process.parameters:
+        expression = given.get(parameter, parameter.default)
+        if parameter.name.text in tunable and expression is not None:
+            known[parameter.name.text] = lower_expression(
+                program, expression, LoweringContext(values={}, lower_name=own)
+            )
+    return known
 
 
 def selection(

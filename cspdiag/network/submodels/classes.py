@@ -22,14 +22,20 @@ from cspdiag.syntax.walk import instances_in, nodes
 
 @record
 class LawUse:
-    """An instance of a submodel: the known values of its parameters, its period in nanoseconds if known, and values set
-    from outside for parameters inside it, by path.
+    """An instance of a submodel: the known values of its parameters, its period in nanoseconds if known, values set
+    from outside for parameters inside it, by path, and the names of parameters that follow parameters of the program.
     """
 
     definition: ast.SubmodelDefinition
     arguments: Mapping[str, Value]
     sample: int | None
     overrides: Mapping[str, Value]
+    tunable: frozenset[str] = frozenset()
+
+    @property
+    def is_known(self) -> bool:
+        """Whether every parameter has a value, or follows parameters of the program."""
+        return len(self.arguments) + len(self.tunable) == len(self.definition.parameters)
 
 
 @node
@@ -41,23 +47,20 @@ class Flattened:
     names: frozenset[str]
 
 
-def flatten(
-    program: Program,
-    definition: ast.SubmodelDefinition,
-    arguments: Mapping[str, Value],
-    sample: int | None,
-    report: Report,
-    *,
-    environment: bool = False,
-    overrides: Mapping[str, Value] | None = None,
-) -> Flattened | None:
-    """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
+def flatten(program: Program, use: LawUse, report: Report, *, environment: bool = False) -> Flattened | None:
+    """The class of an instance of a submodel.
 
-    The arguments affect only sizes and the values in ``derived``: instances with equal classes share one class. None if
-    an error was reported. With ``environment`` the submodel may use ``time``. ``overrides`` are values of parameters of
-    the instances inside, by path.
+    The values of its parameters affect only sizes and the values in ``derived``: instances with equal classes share one
+    class. None if an error was reported. With ``environment`` the submodel may use ``time``.
     """
-    draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, overrides=overrides)
+    definition = use.definition
+    draft = Draft(
+        owner=definition.name.span,
+        sample=use.sample,
+        arguments=use.arguments,
+        overrides=use.overrides,
+        tunable=use.tunable,
+    )
     inlining = _inlined(program, draft, definition, environment, report)
     result: SubmodelClass | None = SubmodelClass(
         name=definition.name.text,
@@ -84,7 +87,13 @@ def _inlined(
     for parameter in definition.parameters:
         name = parameter.name.text
         kind = inlining.declared(parameter.type, program.types.get(parameter, SECONDS))
-        draft.parameters[name] = ClassParameter(name=name, doc=parameter.doc, span=parameter.name.span, type=kind)
+        draft.parameters[name] = ClassParameter(
+            name=name,
+            doc=parameter.doc,
+            span=parameter.name.span,
+            type=kind,
+            tunable=name in draft.tunable,
+        )
         draft.names.add(name)
     inlining.run()
     return inlining
@@ -161,7 +170,7 @@ def check(
     in_processes, elsewhere = _uses(program)
     known: dict[tuple[ast.SubmodelDefinition, int | None], list[LawUse]] = {}
     for use in laws:
-        if len(use.arguments) == len(use.definition.parameters):
+        if use.is_known:
             known.setdefault((use.definition, use.sample), []).append(use)
     periods: dict[ast.SubmodelDefinition, list[int | None]] = {}
     for definition, period in samples:
@@ -194,13 +203,13 @@ def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: 
 def _check(program: Program, use: LawUse, report: Report, *, environment: bool = False) -> bool:
     """Checks an instance, or a definition by itself; returns whether another instance might have other errors."""
     definition = use.definition
-    is_concrete = len(use.arguments) == len(definition.parameters) and not environment
     draft = Draft(
         owner=definition.name.span,
         sample=use.sample,
         arguments=use.arguments,
-        concrete=is_concrete,
+        concrete=use.is_known and not environment,
         overrides=use.overrides,
+        tunable=use.tunable,
     )
     _inlined(program, draft, definition, environment, report)
     evaluation_order(draft, report)

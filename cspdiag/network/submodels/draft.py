@@ -37,7 +37,8 @@ class Draft:
     ``owner`` is the span for what the compiler adds; ``sample`` is the period in nanoseconds, if known; ``arguments``
     are the values of the parameters. ``concrete``: all arguments are known, as for an instance; otherwise a definition
     is checked by itself. ``closed``: no instance provides values, so derived parameters are constants (an environment).
-    ``overrides`` are values set from outside for parameters of nested instances, by path (``pan.inertia``).
+    ``overrides`` are values set from outside for parameters of nested instances, by path (``pan.inertia``). ``tunable``
+    are the parameters that follow parameters of the program.
     """
 
     def __init__(
@@ -49,6 +50,7 @@ class Draft:
         concrete: bool = True,
         closed: bool = False,
         overrides: Mapping[str, Value] | None = None,
+        tunable: frozenset[str] = frozenset(),
     ) -> None:
         self.owner = owner
         self.sample = sample
@@ -56,6 +58,7 @@ class Draft:
         self.concrete = concrete
         self.closed = closed
         self.overrides = overrides or {}
+        self.tunable = tunable
         self.names: set[str] = set()
         self.parameters: dict[str, ClassParameter] = {}
         self.derived: dict[str, Value] = {}

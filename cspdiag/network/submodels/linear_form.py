@@ -22,6 +22,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     Value,
     VariableValue,
@@ -93,6 +94,7 @@ class LinearForms:
             case (
                 LiteralValue()
                 | ParameterValue()
+                | TunableValue()
                 | VariableValue()
                 | PresentTime()
                 | UnaryOperation()

@@ -19,7 +19,14 @@ from cspdiag.base.record import node
 from cspdiag.model.types import ArrayType, RealType, Type
 from cspdiag.network.diagnostics.operators import ImproperTransfer, UnstableDiscretization, ValueOutOfRange, WrongShape
 from cspdiag.network.ir.expression_parts import call, entry, minus, number, of_width, over, plus, times
-from cspdiag.network.ir.expressions import ArrayElements, Expression, LiteralValue, ParameterValue, SignalValue
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    Expression,
+    LiteralValue,
+    ParameterValue,
+    SignalValue,
+    TunableValue,
+)
 from cspdiag.network.ir.network import SubmodelState
 from cspdiag.network.submodels.discretize import Method
 from cspdiag.network.submodels.draft import Draft, LinearOperator
@@ -70,7 +77,7 @@ def realize(draft: Draft, application: Application, report: Report) -> Expressio
 
 def _simple(draft: Draft, use: Application, name: str, value: Expression) -> Expression:
     """``value`` if it may be used more than once, otherwise a signal with that value."""
-    if isinstance(value, SignalValue | ParameterValue | LiteralValue):
+    if isinstance(value, SignalValue | ParameterValue | TunableValue | LiteralValue):
         return value
     chosen = draft.unique(f"{use.base}_{name}")
     draft.equation(chosen, value, use.span)

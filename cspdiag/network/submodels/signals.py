@@ -26,6 +26,7 @@ from cspdiag.network.ir.expressions import (
     ParameterValue,
     PresentTime,
     SignalValue,
+    TunableValue,
 )
 from cspdiag.network.submodels.draft import SECONDS, Draft
 from cspdiag.syntax import ast
@@ -189,7 +190,8 @@ class SubmodelSignals:
         argument = self.parameters.get(parameter)
         kind = self.declared(parameter.type, self.program.types.get(parameter, SECONDS))
         if argument is None:
-            return ParameterValue(type=kind, name=parameter.name.text, span=use.span)
+            own = TunableValue if parameter.name.text in self.draft.tunable else ParameterValue
+            return own(type=kind, name=parameter.name.text, span=use.span)
         wanted = self.program.types.get(use, kind)
         is_seconds = isinstance(kind, TimeType) and isinstance(wanted, RealType)
         if _is_name(argument) or (isinstance(kind, TimeType) and not is_seconds):
@@ -234,4 +236,4 @@ def _is_name(expression: Expression) -> bool:
     """Whether an argument is a name, which may be used in many places."""
     if isinstance(expression, LiteralValue):
         return expression.name is not None
-    return isinstance(expression, ParameterValue | SignalValue)
+    return isinstance(expression, ParameterValue | TunableValue | SignalValue)

@@ -5,7 +5,7 @@ integration needs.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
 
 from cspdiag.base import Report
 from cspdiag.base.record import replaced
@@ -13,8 +13,9 @@ from cspdiag.network.diagnostics.operators import UnstableDiscretization, WrongS
 from cspdiag.network.diagnostics.submodels import AlgebraicLoop
 from cspdiag.network.elaborate.finite import assured_law, is_defined_everywhere, within_domains
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
+from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expression_walk import signals_read, walk
-from cspdiag.network.ir.expressions import Expression, PresentTime, SignalValue, Value
+from cspdiag.network.ir.expressions import Expression, PresentTime, SignalValue, TunableValue, Value
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.submodels.discretize import Method, spectral_radius, statespace_increments, transfer_coefficients
@@ -51,6 +52,7 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     # Discretization gives values to constants of a closed system.
     items = tuple(draft.equations[item.name] for item in items)
     constants, equations = _constants_apart(draft, items, outputs)
+    _compute_initial_values(draft, {item.name for item in constants})
     kept = _alive(draft, constants, equations, outputs)
     constants = tuple(item for item in constants if item.name in kept)
     plain = tuple(item for item in equations if not kept.isdisjoint(provides(item)))
@@ -122,7 +124,7 @@ def _constants_apart(
             isinstance(item, SubmodelEquation)
             and item.name not in outputs
             and known.issuperset(item.reads)
-            and not _reads_time(item.value)
+            and not _varies(item.value)
             and not _faults(draft, item.value)
         ):
             constants.append(item)
@@ -132,6 +134,22 @@ def _constants_apart(
     return tuple(constants), tuple(equations)
 
 
+def _compute_initial_values(draft: Draft, constants: set[str]) -> None:
+    """Replaces what follows parameters of the program in initial values of states by the expressions that it stands
+    for: it is an equation now, and those are not evaluated before the first run.
+    """
+
+    def change(part: Any) -> Any:
+        if not isinstance(part, SignalValue) or part.name in constants:
+            return part
+        equation = draft.equations.get(part.name)
+        return rewritten(equation.value, change) if isinstance(equation, SubmodelEquation) else part
+
+    for name, state in draft.states.items():
+        if not constants.issuperset(signals_read(state.initial)):
+            draft.states[name] = replaced(state, initial=rewritten(state.initial, change))
+
+
 def _faults(draft: Draft, expression: Expression) -> bool:
     """Whether the evaluation of an expression over parameters ends in a fault."""
     return (may_fault(expression) or not is_defined_everywhere(expression)) and draft.value_of(expression) is None
@@ -139,6 +157,11 @@ def _faults(draft: Draft, expression: Expression) -> bool:
 
 def _reads_time(expression: Expression) -> bool:
     return any(isinstance(part, PresentTime) for part in walk(expression))
+
+
+def _varies(expression: Expression) -> bool:
+    """Whether an expression without signals may have another value at another instant."""
+    return any(isinstance(part, PresentTime | TunableValue) for part in walk(expression))
 
 
 def _alive(

@@ -13,7 +13,7 @@ from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.external import external_calls
 from cspdiag.network.ir.network import Direction, ProcessClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.optimize.check.expressions import Names, agrees, expression_problems
+from cspdiag.optimize.check.expressions import Names, agrees, expression_problems, types_of
 
 PREDECLARED_EXCEPTIONS = frozenset({"Fault", "Timeout"})
 """The exceptions that a program need not declare."""
@@ -29,7 +29,8 @@ class CompositionCheck:
         self.channels = {channel.name: channel for channel in process.channels}
         self.instances = {instance.name for instance in process.instances}
         self.names = Names(
-            parameters={parameter.name: parameter.type for parameter in process.parameters},
+            parameters=types_of(process.parameters, tunable=False),
+            tunable=types_of(process.parameters, tunable=True),
             variables={channel.name: channel.type for channel in process.channels if channel.kind == "var"},
             signals=_signals(process),
             time=TIME,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import assert_never
 
 from cspdiag.base.record import node
@@ -37,10 +37,12 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     Value,
     VariableValue,
 )
+from cspdiag.network.ir.network import ClassParameter
 
 
 @node
@@ -50,8 +52,14 @@ class Names:
     parameters: Mapping[str, Type]
     variables: Mapping[str, Type]
     signals: Mapping[str, Type]
+    tunable: Mapping[str, Type]
     time: Type | None = None
     """The type of the present instant, if it is known."""
+
+
+def types_of(parameters: Iterable[ClassParameter], *, tunable: bool) -> dict[str, Type]:
+    """The types of the tunable or of the other parameters, by name."""
+    return {parameter.name: parameter.type for parameter in parameters if parameter.tunable == tunable}
 
 
 def agrees(one: Type, other: Type) -> bool:
@@ -83,6 +91,8 @@ def _wrong(part: Expression, names: Names) -> Iterator[str]:
                 yield f"is not of type {part.type}"
         case ParameterValue():
             yield from _wrong_name(part, part.name, names.parameters, "parameter")
+        case TunableValue():
+            yield from _wrong_name(part, part.name, names.tunable, "tunable parameter")
         case VariableValue():
             yield from _wrong_name(part, part.channel, names.variables, "variable")
         case SignalValue():

@@ -16,6 +16,7 @@ from cspdiag.model.types import DOUBLE, Type
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.expressions import TunableValue
 from cspdiag.network.ir.network import (
     ConstantEnd,
     DiscardEnd,
@@ -26,7 +27,7 @@ from cspdiag.network.ir.network import (
 )
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.check.composition import CompositionCheck
-from cspdiag.optimize.check.expressions import Names, agrees, expression_problems, is_value_of
+from cspdiag.optimize.check.expressions import Names, agrees, expression_problems, is_value_of, types_of
 
 MADE_BY: dict[type[ir.MadeAction], str] = {
     ir.ReadInputs: "inline_laws",
@@ -70,11 +71,17 @@ def network_problems(network: Network, passes: Collection[str]) -> Iterator[str]
     if not isinstance(classes.get(network.top), ProcessClass):
         yield f"the outermost process `{network.top}` is not a process"
         return
-    yield from _wrong_arguments(network.top, classes[network.top], network.arguments)
+    stands_for = {name for name, _ in network.tunable}
+    before = [(name, value) for path, name, value in _listed(network) if path == network.top and name in stands_for]
+    yield from _wrong_arguments(network.top, classes[network.top], (*network.arguments, *before))
     yield from _wrong_instances(network, classes)
+    yield from _wrong_parameters(network, classes[network.top])
+    parameters = {parameter.name: parameter.type for parameter in network.parameters}
     for environment in network.environments:
         if environment.system is not None:
-            yield from (f"{environment.name}: {problem}" for problem in _wrong_in_submodel(environment.system, True))
+            yield from (
+                f"{environment.name}: {problem}" for problem in _wrong_in_submodel(environment.system, parameters)
+            )
 
 
 def _wrong_instances(network: Network, classes: Mapping[str, Class]) -> Iterator[str]:
@@ -97,6 +104,31 @@ def _wrong_instances(network: Network, classes: Mapping[str, Class]) -> Iterator
                     there.add(f"{path}.{instance.name}")
                     pending.append((f"{path}.{instance.name}", classes[instance.class_name]))
     yield from (f"the instance `{path}` is listed but does not exist" for path in listed if path not in there)
+
+
+def _listed(network: Network) -> Iterator[tuple[str, str, object]]:
+    for item in network.instances:
+        yield from ((item.path, name, value) for name, value in item.arguments)
+
+
+def _wrong_parameters(network: Network, top: Class) -> Iterator[str]:
+    """The parameters of the program, each computed from those before it, and those that the outermost process has."""
+    known: dict[str, Type] = {}
+    for parameter in network.parameters:
+        names = Names(parameters={}, variables={}, signals={}, tunable=known)
+        if parameter.follows is not None:
+            yield from expression_problems(parameter.follows, names, parameter.type)
+        if not is_value_of(parameter.value, parameter.type):
+            yield f"`{parameter.name}` begins with {parameter.value}, which is not of type {parameter.type}"
+        known[parameter.name] = parameter.type
+    own = types_of(top.parameters, tunable=True)
+    if own.keys() != dict(network.tunable).keys():
+        yield f"the tunable parameters of `{top.name}` are not those that the program gives it"
+    for name, parameter_name in network.tunable:
+        if parameter_name not in known:
+            yield f"`{top.name}` has a parameter that the program does not have, `{parameter_name}`"
+        elif name in own and not agrees(own[name], known[parameter_name]):
+            yield f"`{name}` is {own[name]} and refers to `{parameter_name}`, which is {known[parameter_name]}"
 
 
 def _wrong_arguments(path: str, entry: Class, arguments: Iterable[tuple[str, object]]) -> Iterator[str]:
@@ -142,8 +174,11 @@ def _wrong_in_instance(instance: InstanceOf, entry: Class, around: CompositionCh
     kinds = {parameter.name: parameter.type for parameter in entry.parameters}
     if kinds.keys() != dict(instance.arguments).keys():
         yield f"the arguments of `{instance.name}` are not the parameters of `{entry.name}`"
+    references = {parameter.name for parameter in entry.parameters if parameter.tunable}
     for name, value in instance.arguments:
         yield from expression_problems(value, around.names, kinds.get(name))
+        if (name in references) != isinstance(value, TunableValue):
+            yield f"the argument `{name}` of `{instance.name}` is {'no' if name in references else 'a'} reference"
     ports = {port.name: port for port in entry.ports}
     wanted = {(p.name, i) for p in entry.ports for i in ([None] if p.size is None else range(p.size))}
     yield from _repeated("connection", [f"{instance.name}.{c.port}[{c.index}]" for c in instance.connections])
@@ -165,7 +200,10 @@ def _wrong_in_instance(instance: InstanceOf, entry: Class, around: CompositionCh
                 assert_never(attached)
 
 
-def _wrong_in_submodel(entry: SubmodelClass, has_time: bool = False) -> Iterator[str]:
+def _wrong_in_submodel(entry: SubmodelClass, program: Mapping[str, Type] | None = None) -> Iterator[str]:
+    """The problems of a control law, or of the system of an environment, which has the parameters of the ``program``
+    and the present time.
+    """
     signals: dict[str, Type] = {constant.name: constant.type for constant in entry.constants}
     signals.update((state.name, state.type) for state in entry.states)
     signals.update((port.name, port.type) for port in entry.ports)
@@ -174,8 +212,13 @@ def _wrong_in_submodel(entry: SubmodelClass, has_time: bool = False) -> Iterator
             signals.update((name, kind) for _, name, kind in equation.outputs)
         else:
             signals[equation.name] = equation.type
-    parameters = {parameter.name: parameter.type for parameter in entry.parameters}
-    names = Names(parameters=parameters, variables={}, signals=signals, time=DOUBLE if has_time else None)
+    names = Names(
+        parameters=types_of(entry.parameters, tunable=False),
+        variables={},
+        signals=signals,
+        tunable=types_of(entry.parameters, tunable=True) if program is None else program,
+        time=None if program is None else DOUBLE,
+    )
     states = {state.name: state.type for state in entry.states}
     for item in (*entry.constants, *entry.equations, *entry.derivative_equations):
         if not isinstance(item, ExternalCall):

@@ -19,7 +19,7 @@ from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.everywhere import rewritten
-from cspdiag.network.ir.expressions import ParameterValue, VariableValue
+from cspdiag.network.ir.expressions import ParameterValue, TunableValue, VariableValue
 from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
@@ -192,7 +192,7 @@ def _mentioned(entry: ProcessClass) -> _Mentioned:
                 found.ports.add(part.port)
             case ir.ChannelEnd() | ir.Target() | VariableValue():
                 found.channels.add(part.channel)
-            case ParameterValue():
+            case ParameterValue() | TunableValue():
                 found.parameters.add(part.name)
             case _:  # Any other part mentions none.
                 pass
@@ -250,5 +250,6 @@ def _without_arguments(network: Network) -> Network:
     return replaced(
         network,
         arguments=_kept(network.arguments, lambda argument: argument[0] in top),
+        tunable=_kept(network.tunable, lambda entry: entry[0] in top),
         instances=mapped(network.instances, cut),
     )

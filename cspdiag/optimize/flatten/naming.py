@@ -10,7 +10,14 @@ from typing import TypeVar
 from cspdiag.base import Span
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
+from cspdiag.network.ir.expressions import (
+    Expression,
+    LiteralValue,
+    ParameterValue,
+    SignalValue,
+    TunableValue,
+    VariableValue,
+)
 from cspdiag.network.ir.network import ClassParameter, InstanceOf
 from cspdiag.optimize.changes import with_parts
 
@@ -30,7 +37,7 @@ def parameter_constants(
     values: dict[str, Expression] = {}
     constants = []
     for name, value in instance.arguments:
-        if isinstance(value, LiteralValue | ParameterValue):
+        if isinstance(value, LiteralValue | ParameterValue | TunableValue):
             values[name] = value
         else:
             constant = _constant(f"{instance.name}.{name}", value, instance.span, spans[name].doc)
@@ -58,7 +65,7 @@ def renamed_part(
 ) -> Expression | None:
     """As ``renamed``, for a value that has a name; None for any other part."""
     match part:
-        case ParameterValue(name=name):
+        case ParameterValue(name=name) | TunableValue(name=name):
             return values[name]
         case SignalValue(name=name):
             return signals[name] if name in signals else replaced(part, name=f"{prefix}.{name}")

@@ -41,6 +41,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     Value,
     VariableValue,
@@ -151,7 +152,7 @@ class _Evaluation:
             case StructValue() | ArrayElements():
                 parts = tuple(map(self.value, expression.values))
                 return parts if all(map(is_exact, parts)) else UNKNOWN
-            case SignalValue() | PresentTime():
+            case TunableValue() | SignalValue() | PresentTime():
                 return UNKNOWN
             case _:
                 assert_never(expression)

@@ -46,3 +46,6 @@ class Observer:
 
     def released(self, time: int, port: str, value: Any) -> None:
         """An output of the outermost process was handed its safe value at the end of the run."""
+
+    def changed(self, time: int, parameter: str, path: tuple[int, ...], value: Any) -> None:
+        """A parameter of the program, or the part of it at a path of positions, has a new value."""

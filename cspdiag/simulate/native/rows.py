@@ -46,6 +46,7 @@ class Kind:
     SAMPLE = 12
     WAITING_AT = 13
     PRESENT = 14
+    CHANGED = 15
 
 
 @record

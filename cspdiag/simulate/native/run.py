@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from io import BufferedIOBase
 from pathlib import Path
@@ -29,12 +29,14 @@ from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import PassedRows
 from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader
 from cspdiag.simulate.native.supervisor import Supervisor
+from cspdiag.simulate.native.tuning import ChangeWriter
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import chosen_environment
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
+    from cspdiag.runtime.kernel.parameters import Change
     from cspdiag.runtime.outcome import Ending
     from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.record.streamed.recording import Recording
@@ -60,7 +62,7 @@ class NativeRun:
         return self.monitor.running_processes
 
 
-POSIX_SOURCES = ("csp_signals.c", "csp_simulation_posix.c", "csp_stream_posix.c", "csp_watch.c")
+POSIX_SOURCES = ("csp_signals.c", "csp_simulation_posix.c", "csp_stream_posix.c", "csp_tuning_posix.c", "csp_watch.c")
 """The files of the kernel for simulations on this machine only."""
 
 _ENDINGS: tuple[Ending, ...] = ("terminated", "failed", "deadlock", "time limit", "stopped")
@@ -83,6 +85,7 @@ def simulate(
     options: tuple[str, ...] = ("-O2",),
     recording: Recording | None = None,
     inputs: RecordedInputs | None = None,
+    changes: Iterable[Change] = (),
 ) -> Run:
     """Generate, build and run a program; see ``build_program`` and ``NativeProgram.run``."""
     program = build_program(
@@ -90,8 +93,9 @@ def simulate(
         board=board, options=options, inputs=inputs,
     )  # fmt: skip
     return program.run(
-        until=until, recorder=recorder, on_start=on_start, observed=observed, recording=recording, inputs=inputs
-    )
+        until=until, recorder=recorder, on_start=on_start, observed=observed, recording=recording, inputs=inputs,
+        changes=changes,
+    )  # fmt: skip
 
 
 def build_program(
@@ -158,9 +162,11 @@ class NativeProgram:
         observed: Observed = "all",
         recording: Recording | None = None,
         inputs: RecordedInputs | None = None,
+        changes: Iterable[Change] = (),
     ) -> Run:
         """Run it; ``until`` is a time limit in nanoseconds. ``recording`` is given the values of the external ports
         while the run continues; the caller finishes it. With ``observed="signals"`` they are not kept besides.
+        ``changes`` are those of parameters of the program.
 
         ``on_start`` is passed an object whose ``now`` is the present instant. Ctrl-C and what the program raises end
         the run with an outcome, not with an exception. Raises CompilerError for a program that fails otherwise.
@@ -175,8 +181,8 @@ class NativeProgram:
         passed: PassedRows | RecordedRows | None = kept
         if kept is not None and recording is not None:
             passed = RecordedRows(self.network, recording, None if observed == "signals" else kept)
-        with _variables(inputs) as variables:
-            outcome = _run(self, words, variables, recorder, passed, on_start)
+        with _variables(inputs) as variables, _tuned(self, changes) as tuning:
+            outcome = _run(self, [*words, *tuning.words], variables, recorder, passed, on_start, tuning)
         if isinstance(passed, RecordedRows):
             passed.hand_over()
         return Run(self.network, self.environment, outcome, recorder, passed)
@@ -238,6 +244,28 @@ def _variables(inputs: RecordedInputs | None) -> Iterator[Mapping[str, str]]:
         yield {VARIABLE: file.name}
 
 
+@record
+class _Tuning:
+    """The options for changes of parameters, and the changes by their numbers."""
+
+    words: tuple[str, ...]
+    changes: Sequence[Change]
+
+
+@contextmanager
+def _tuned(program: NativeProgram, changes: Iterable[Change]) -> Iterator[_Tuning]:
+    """The changes of parameters, in a file as long as the program runs."""
+    planned = sorted(changes, key=lambda change: change.time)
+    if not planned:
+        yield _Tuning((), ())
+        return
+    writer = ChangeWriter(program.network)
+    with NamedTemporaryFile(prefix="cspdiag-", suffix=".changes") as file:
+        file.writelines(writer.records(planned))
+        file.flush()
+        yield _Tuning(("--tune", file.name), planned)
+
+
 def _run(
     program: NativeProgram,
     words: list[str],
@@ -245,6 +273,7 @@ def _run(
     recorder: Recorder,
     passed: PassedRows | RecordedRows | None,
     on_start: Callable[[NativeRun], None] | None,
+    tuning: _Tuning,
 ) -> Outcome:
     with (
         stopping,
@@ -254,8 +283,10 @@ def _run(
     ):
         monitor.started()
         _enlarge(stream)
-        run = NativeRun(StreamReader(stream, program.network, recorder, passed, program.flattened), monitor)
-        reader = run.reader
+        reader = StreamReader(
+            stream, program.network, recorder, passed, changes=tuning.changes, flattened=program.flattened
+        )
+        run = NativeRun(reader, monitor)
         if on_start is not None:
             on_start(run)
         try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from io import BufferedIOBase
@@ -19,6 +19,8 @@ from cspdiag.simulate.record.recorder import Recorder
 
 if TYPE_CHECKING:
     import numpy
+
+    from cspdiag.runtime.kernel.parameters import Change
 
 CHUNK = 1 << 20
 """The most bytes that are read at a time."""
@@ -53,6 +55,8 @@ class StreamReader:
     recorder: Recorder
     passed: PassedRows | RecordedRows | None = None
     """Where values are kept; None if none are reported."""
+    changes: Sequence[Change] = ()
+    """The changes of parameters that the program is given, by their numbers."""
     flattened: bool = False
     """Whether processes are inlined in the thread that runs them, as with ``-O1``."""
     now: int = 0
@@ -192,6 +196,12 @@ class StreamReader:
                     self.recorder.execution_time(path, time, value, "thread" if self.flattened else "process")
             case Kind.PRESENT:
                 self.now = time
+            case Kind.CHANGED if value:
+                change = self.changes[number]
+                self.recorder.changed(time, change.parameter, change.path, change.value)
+            case Kind.CHANGED:
+                change = self.changes[number]
+                self.recorder.refused.append((change.time, change.parameter, ""))
             case Kind.WAITING_AT:
                 self._take_place(number, first)
             case other:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
-from typing import TYPE_CHECKING, assert_never
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, assert_never
 
 from cspdiag.model.types import (
     ArrayType,
@@ -56,6 +56,32 @@ def decoder(type_: Type) -> Decoder:
         pieces.append((slice(position, position + size), decoder(part)))
         position += size
     return lambda data: tuple(decode(data[place]) for place, decode in pieces)
+
+
+def encoded(type_: Type, value: Any) -> bytes:
+    """The bytes of a value: bool, int, float, or a sequence for a struct or an array."""
+    if not isinstance(type_, StructType | ArrayType):
+        return struct.pack(f"={_letter(type_)}", value)
+    data = bytearray()
+    for part, inner in zip(_parts(type_), value, strict=True):
+        _, alignment = layout(part)
+        data += bytes(-len(data) % alignment) + encoded(part, inner)
+    return bytes(data) + bytes(layout(type_)[0] - len(data))
+
+
+def offset_of(type_: Type, path: Sequence[int]) -> int:
+    """Where the part at a path of positions begins."""
+    offset = 0
+    for position in path:
+        assert isinstance(type_, StructType | ArrayType)
+        parts = _parts(type_)
+        within = 0
+        for part in parts[: position + 1]:
+            size, alignment = layout(part)
+            within = -(-within // alignment) * alignment + size
+        offset += within - layout(parts[position])[0]
+        type_ = parts[position]
+    return offset
 
 
 def numpy_type(type_: Type) -> numpy.dtype:

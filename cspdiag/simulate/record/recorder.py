@@ -62,6 +62,10 @@ class Recorder:
         self.sample_log: list[Any] = []
         """Three entries for each sample of a sampled input, read or not: time, port, value."""
         self.releases: list[tuple[int, str, object]] = []
+        self.changes: list[tuple[int, str, tuple[int, ...], object]] = []
+        """The changes of parameters of the program: time in nanoseconds, parameter, positions of the part, value."""
+        self.refused: list[tuple[int, str, str]] = []
+        """Changes that were not made: time in nanoseconds, parameter, why, if that is known."""
         self.variables: dict[str, list[tuple[int, float]]] = {}
         self.execution_times: dict[str, ExecutionTime] = {}
         self.activities: list[Activity] = []
@@ -99,6 +103,14 @@ class Recorder:
     def released(self, time: int, port: str, value: object) -> None:
         """An output was set to its safe value at the end of the run; that is not a communication."""
         self.releases.append((time, port, value))
+
+    def changed(self, time: int, parameter: str, path: tuple[int, ...], value: object) -> None:
+        """A parameter of the program, or a part of it, has a new value."""
+        self.changes.append((time, parameter, path, value))
+
+    def refused_change(self, time: int, parameter: str, reason: str) -> None:
+        """A change was not made."""
+        self.refused.append((time, parameter, reason))
 
     def variable_written(self, time: int, name: str, value: float) -> None:
         """A probed variable was given a value."""

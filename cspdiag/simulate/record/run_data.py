@@ -54,6 +54,10 @@ class RunData:
         self.chosen_target = ""
         """What a run chose by itself to run on, and why, as it is shown; empty if it did not choose."""
         self._passed = recorder if passed is None else passed
+        self.changes: Sequence[tuple[int, str, tuple[int, ...], object]] = recorder.changes
+        """The changes of parameters that were made: nanoseconds, parameter, positions of the part, value."""
+        self.refused_changes: Sequence[tuple[int, str, str]] = recorder.refused
+        """Those that were not: nanoseconds, parameter, why."""
         self.releases: Sequence[tuple[int, str, object]] = recorder.releases
         self.activities: Sequence[Activity] = recorder.activities
         self.execution_times: Mapping[str, ExecutionTime] = recorder.execution_times

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from cspdiag.codegen.python.plain.external import bodies
 from cspdiag.network.ir.external import devices_in_c
 from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.runtime.kernel.exceptions import kind_and_text
+from cspdiag.runtime.kernel.parameters import Change
 from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.deadlock.report import deadlock_report
 from cspdiag.simulate.deadlock.waiting import WaitingRecord
@@ -81,15 +82,16 @@ def simulate(
     on_start: Callable[[RunningNetwork], None] | None = None,
     recording: Recording | None = None,
     inputs: RecordedInputs | None = None,
+    changes: Iterable[Change] = (),
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
     ``until`` is a time limit in nanoseconds. ``recording`` is given the values of the external ports while the run goes
     on; the caller finishes it. ``inputs``: what the environment gives instead of what it computes. ``probe_variables``
-    also records the values of variables that have a unit, ``measured`` how long laws compute. ``on_start`` is passed
-    the running network, whose ``now`` is the present instant. Signals and what the program raises end the run with an
-    outcome, not with an exception. Raises NoEnvironmentError and BodyError, and Stopped if a signal arrives before the
-    run.
+    also records the values of variables that have a unit, ``measured`` how long laws compute. ``changes`` are those of
+    parameters of the program. ``on_start`` is passed the running network, whose ``now`` is the present instant. Signals
+    and what the program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError and
+    BodyError, and Stopped if a signal arrives before the run.
     """
     chosen = chosen_environment(network, environment)
     if chosen is not None:
@@ -100,7 +102,9 @@ def simulate(
         try:
             with stopping.raising():
                 plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
-                running = package.module("network").build(plant.drivers if plant is not None else {})
+                given = {"parameters": plant.parameters} if plant is not None and network.parameters else {}
+                running = package.module("network").build(plant.drivers if plant is not None else {}, **given)
+                running.parameters.plan(changes)
         except BaseException as problem:
             if not bodies(network) or stopping.ends_run(problem):
                 raise
@@ -123,6 +127,8 @@ def simulate(
                 on_miss=chosen.on_miss if chosen is not None else "timeout",
                 observer=recorder,
             )
+        for change, why in running.parameters.refused:
+            recorder.refused.append((change.time, change.parameter, why))
         if outcome.deadlock is not None:
             waiting = [_record(process) for process in outcome.deadlock.waiting]
             outcome.deadlock = deadlock_report(outcome.time, waiting, network, recorder)

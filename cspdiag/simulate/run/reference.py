@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import ExitStack
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from cspdiag.network.ir.network import CoreNetwork, Environment, Network
 from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
 from cspdiag.runtime.kernel.stopping import Stopped, stopping
 from cspdiag.runtime.outcome import Ending, Outcome
+from cspdiag.semantics.equations.parameters import Change
 from cspdiag.semantics.execute import execute
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Execution
@@ -46,6 +48,7 @@ def simulate(
     recorder: Recorder,
     recording: Recording | None = None,
     inputs: RecordedInputs | None = None,
+    changes: Iterable[tuple[int, str, tuple[int, ...], object]] = (),
 ) -> Run:
     """Run a network in virtual time, up to ``until`` nanoseconds.
 
@@ -67,7 +70,9 @@ def simulate(
     name = None if chosen is None else chosen.name
     try:
         with stopping.raising(), watching:
-            done = execute(network, name, until, scheduler=make, observer=recorder)
+            done = execute(
+                network, name, until, scheduler=make, observer=recorder, changes=(Change(*change) for change in changes)
+            )
     except Stopped as stopped:
         outcome = Outcome("stopped", worlds[0].now if worlds else 0, signal=stopped.signal)
     else:

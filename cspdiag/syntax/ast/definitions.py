@@ -30,12 +30,13 @@ class Import(Node):
 
 @node
 class Constant(Node):
-    """``const Tsh = 1 ms``."""
+    """``const Tsh = 1 ms``, or ``parameter kp = 2.6``, which is ``tunable``: it may change while the program runs."""
 
     doc: str | None
     name: Identifier
     type: TypeName | None
     value: Expression
+    tunable: bool = False
 
 
 @node

@@ -41,11 +41,11 @@ def node(kind: Callable[..., ast.Node], *fields: str, **fixed: object) -> Built:
     return build
 
 
-def declared(kind: Callable[..., ast.Node], *fields: str) -> Built:
+def declared(kind: Callable[..., ast.Node], *fields: str, **fixed: object) -> Built:
     """The same for a node that may have a doc comment."""
 
     def build(builder: Construction, span: Span, *children: object) -> ast.Node:
-        return kind(span=span, doc=builder.doc(span.start), **dict(zip(fields, children, strict=True)))
+        return kind(span=span, doc=builder.doc(span.start), **dict(zip(fields, children, strict=True)), **fixed)
 
     return build
 

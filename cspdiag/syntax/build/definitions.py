@@ -49,6 +49,7 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         return ast.Import(span=span, path=None, library=".".join(name.text for name in names))
 
     constant = declared(ast.Constant, "name", "type", "value")  # const name = value
+    tunable = declared(ast.Constant, "name", "type", "value", tunable=True)  # parameter name = value
     type_alias = declared(ast.TypeAliasDefinition, "name", "type")  # type Angle = double<rad>
 
     def enum(self, span: Span, name: ast.Identifier, *literals: ast.Identifier) -> ast.EnumDefinition:

@@ -11,6 +11,7 @@ _CONTINUES_EXPRESSION = frozenset(
 
 _NAMED_AFTER = {
     "CONST": "the name of the constant",
+    "PARAMETER": "the name of the parameter",
     "TYPE": "the name of the type",
     "ENUM": "the name of the enum",
     "STRUCT": "the name of the struct",
@@ -39,7 +40,7 @@ _GROUPS: tuple[tuple[set[str], set[str], str], ...] = (
     (
         {"CONST", "PROCESS"},
         {
-            "CONST", "TYPE", "ENUM", "STRUCT", "EXCEPTION", "PROCESS", "SUBMODEL", "DRIVER", "ENVIRONMENT",
+            "CONST", "PARAMETER", "TYPE", "ENUM", "STRUCT", "EXCEPTION", "PROCESS", "SUBMODEL", "DRIVER", "ENVIRONMENT",
             "ASSERT", "IMPORT",
         },
         "a definition",

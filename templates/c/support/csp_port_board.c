@@ -85,6 +85,11 @@ void csp_host_begin(void)
     /* There are no signals. */
 }
 
+const csp_tuning *csp_host_tuning(void)
+{
+    return NULL;
+}
+
 double csp_host_seconds(void)
 {
     return (double)csp_board_call((uint32_t)CLOCK, NULL) / (double)HUNDREDTHS;

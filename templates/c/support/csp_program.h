@@ -50,8 +50,19 @@ typedef struct csp_program {
     void (*channel_name)(uint32_t number, char *text, size_t size);
     const char *const *exception_names; /* of declared exceptions, from CSP_FIRST_EXCEPTION */
     const char *const *variable_names;  /* of those that may be read before they were written, by number */
+    /* What may change while the program runs; the size is 0 if there is nothing. */
+    ptrdiff_t parameters; /* the distance from the kernel to the structure */
+    size_t parameters_size;
+    bool (*set_parameters)(csp_kernel *csp, const void *parameters); /* false: a value was refused, and nothing changed */
+    const struct csp_tuning *tuning; /* what changes them during csp_run; NULL: nothing */
     bool reports_misses; /* the caller of csp_run reports missed samples, so the port does not */
 } csp_program;
+
+/* Changes of parameters in csp_run: the instant of the next one, INT64_MAX: none is known; and what makes those up to an instant. */
+typedef struct csp_tuning {
+    int64_t (*next)(void);
+    void (*make)(csp_kernel *csp, int64_t instant);
+} csp_tuning;
 
 /* What a run asks of its owner. Functions may be NULL; they are passed `context`. */
 typedef struct csp_hooks {

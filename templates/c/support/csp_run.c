@@ -11,11 +11,24 @@ static int64_t earlier(int64_t one, int64_t other)
     return (one < other) ? one : other;
 }
 
+/* The instant of the next change of a parameter; INT64_MAX: none. */
+static int64_t next_change(csp_kernel *csp)
+{
+    const csp_tuning *const tuning = csp->program->tuning;
+    return (tuning != NULL) ? tuning->next() : INT64_MAX;
+}
+
 static csp_ending run_in_virtual_time(csp_kernel *csp, int64_t last)
 {
     csp_ending ending = CSP_BUDGET;
-    while (ending == CSP_BUDGET) {
-        ending = csp_advance(csp, last, STEPS_IN_VIRTUAL_TIME);
+    int64_t until = -1;
+    while ((ending == CSP_BUDGET) || ((ending == CSP_MORE) && (until < last))) {
+        const int64_t next = csp_next(csp);
+        if ((ending == CSP_MORE) && (next <= last)) { /* before everything else at this instant */
+            csp->program->tuning->make(csp, next);
+        }
+        until = (next <= last) ? earlier(last, next_change(csp) - 1) : last;
+        ending = csp_advance(csp, until, STEPS_IN_VIRTUAL_TIME);
     }
     return ending;
 }
@@ -29,6 +42,9 @@ static csp_ending run_in_real_time(csp_kernel *csp, int64_t last)
             csp_port_wait_until(earlier(csp_next(csp), last));
         }
         until = earlier(csp_port_now(), last);
+        if (next_change(csp) <= until) {
+            csp->program->tuning->make(csp, until);
+        }
         ending = csp_advance(csp, until, STEPS_IN_REAL_TIME);
     }
     return ending;

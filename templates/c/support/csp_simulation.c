@@ -164,6 +164,7 @@ int csp_simulate(int count, char **options, csp_kernel *csp, const csp_names *na
     program = *csp->program;
     program.reports_misses = true;
     program.environment = scenario->environment;
+    program.tuning = (program.set_parameters != NULL) ? csp_host_tuning() : NULL;
     csp->program = &program;
     if (scenario->counts_misses) {
         count_misses(csp);
@@ -171,6 +172,9 @@ int csp_simulate(int count, char **options, csp_kernel *csp, const csp_names *na
     csp_own(csp);
     csp_host_begin();
     csp_stream_begin(csp, names, parsed.observed);
+    if (program.tuning != NULL) {
+        program.tuning->make(csp, 0);
+    }
     const double began = csp_host_seconds();
     const csp_ending ending = csp_run(csp, parsed.until);
     const double duration = csp_host_seconds() - began;

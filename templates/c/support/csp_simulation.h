@@ -27,6 +27,7 @@ typedef struct csp_names {
  *     --environment NAME    the scenario
  *     --for NANOSECONDS     ends at this time
  *     --parent NUMBER       ends when the process of this number is no longer its parent, and by its SIGTERM
+ *     --tune FILE           changes parameters as the records in the file or pipe say (csp_tuning.h)
  *     --observe all|ports|signals|none    writes events to standard output, in the records of csp_stream.h (with CSP_TRACE)
  *
  * The exit status: 0 if the program ended by itself or at its time limit, 1 if it failed or cannot continue, 2 for a wrong option; 128 plus

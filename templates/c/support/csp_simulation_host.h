@@ -13,6 +13,9 @@ bool csp_host_option(const char *option, const char *value);
 /* To be called when all options are known, before the run. */
 void csp_host_begin(void);
 
+/* What changes parameters during the run; NULL: nothing. */
+const csp_tuning *csp_host_tuning(void);
+
 /* The time since any instant, in seconds. */
 double csp_host_seconds(void);
 

@@ -30,7 +30,8 @@ enum {
     EXECUTION_TIME,
     SAMPLE,
     WAITING_AT,
-    PRESENT
+    PRESENT,
+    CHANGED
 };
 
 static bool silent;
@@ -249,6 +250,16 @@ void csp_stream_present(csp_kernel *csp)
 {
     if (!silent) {
         (void)begin_record(csp, PRESENT, 0);
+        completes();
+    }
+}
+
+void csp_stream_change(csp_kernel *csp, uint32_t number, int64_t instant, bool made)
+{
+    if (!silent) {
+        csp_row *const added = begin_record(csp, CHANGED, number);
+        added->time = instant;
+        added->value = made ? 1U : 0U;
         completes();
     }
 }

@@ -19,6 +19,7 @@
  *    13  the process before waits at a channel: its number, and 2^32 - 1 as writer; then, for each end of a broadcast that has not taken the value, the same with
  *        the number of that end
  *    14  the present instant, as time
+ *    15  a change of a parameter: its number, the instant at which it is made as time, 1 as value; 0: it was refused
  *
  * So a reader finds the records of one kind without reading the others. Whole records are sent: when there are many, ten times a second, and when the program
  * is ended by force.
@@ -41,6 +42,8 @@ typedef enum csp_observed {
 void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed observed);
 /* Reports the present instant, between two turns of the run. */
 void csp_stream_present(csp_kernel *csp);
+/* Reports a change of a parameter, before anything happens at the instant. */
+void csp_stream_change(csp_kernel *csp, uint32_t number, int64_t instant, bool made);
 /* To be called after the run; false: not everything could be written. */
 bool csp_stream_end(csp_kernel *csp, csp_ending ending, double duration);
 

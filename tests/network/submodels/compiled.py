@@ -15,7 +15,7 @@ from cspdiag.model.program import Program
 from cspdiag.network.check import check as check_network
 from cspdiag.network.ir.network import Environment, SubmodelClass
 from cspdiag.network.lower import program as lower
-from cspdiag.network.submodels.classes import flatten
+from cspdiag.network.submodels.classes import LawUse, flatten
 from cspdiag.semantics.equations.laws import Law
 from cspdiag.syntax import ast
 
@@ -55,7 +55,7 @@ def submodel(
             value = evaluate(model, parameter.default, values, report)
         values[parameter] = value
     given = {node.name.text: value for node, value in values.items() if isinstance(node, ast.Parameter)}
-    flattened = flatten(model, definition, given, sample, report, environment=environment)
+    flattened = flatten(model, LawUse(definition, given, sample, {}), report, environment=environment)
     assert flattened is not None
     assert not report.has_errors, [d.message for d in report.diagnostics]
     return flattened.cls, {**given, **flattened.derived}

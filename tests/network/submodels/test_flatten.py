@@ -14,7 +14,7 @@ from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import SubmodelClass
-from cspdiag.network.submodels.classes import flatten, needs_sample
+from cspdiag.network.submodels.classes import LawUse, flatten, needs_sample
 from cspdiag.semantics.equations.laws import Law
 from cspdiag.semantics.values import FaultError
 from cspdiag.syntax import ast
@@ -274,7 +274,7 @@ def test_an_unstable_discretization_is_warned_of() -> None:
     model, report = program(text), Report()
     definition = model.definitions["Law"]
     assert isinstance(definition, ast.SubmodelDefinition)
-    flatten(model, definition, {}, 10 * MS, report)
+    flatten(model, LawUse(definition, {}, 10 * MS, {}), report)
     assert [d.code for d in report.diagnostics] == ["W0457", "W0457"]
     assert not report.has_errors
 

@@ -27,6 +27,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     Value,
     VariableValue,
@@ -205,7 +206,7 @@ class Termination:
                 low, high = (left, right) if is_less else (right, left)
                 return self._least_increase(loop, low, 1) + self._least_increase(loop, high, -1) > 0
             case (
-                LiteralValue() | ParameterValue() | VariableValue() | SignalValue() | PresentTime()
+                LiteralValue() | ParameterValue() | TunableValue() | VariableValue() | SignalValue() | PresentTime()
                 | UnaryOperation() | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion()
                 | FieldValue() | ElementValue() | StructValue() | ArrayElements()
             ):  # fmt: skip
@@ -227,7 +228,7 @@ class Termination:
                     loop, right, sign if operator == "+" else -sign
                 )
             case (
-                LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation()
+                LiteralValue() | ParameterValue() | TunableValue() | SignalValue() | PresentTime() | UnaryOperation()
                 | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion() | FieldValue()
                 | ElementValue() | StructValue() | ArrayElements()
             ):  # fmt: skip

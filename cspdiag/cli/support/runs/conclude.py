@@ -36,6 +36,7 @@ def conclude(arguments: Namespace, result: Run, checked: Checked, recording: Rec
 
     if result.outcome.deadlock is not None:
         say(result.outcome.deadlock.text)
+    _say_refused_changes(result)
     requested = list(_requested_files(arguments, result, checked.program, recording))
     if stopping.signal:
         missing = _write(requested)
@@ -51,6 +52,14 @@ def conclude(arguments: Namespace, result: Run, checked: Checked, recording: Rec
             return stopped.exit_code
     _print_summary(arguments, result, checked, [str(path) for path, _ in requested if path not in missing])
     return result.outcome.exit_code or (WRONG_USAGE if missing else 0)
+
+
+def _say_refused_changes(result: Run) -> None:
+    from cspdiag.runtime.kernel.durations import shown
+
+    for time, parameter, why in result.refused_changes:
+        reason = why or "the value is not finite, or what follows from it cannot be computed"
+        say(f"cspdiag: {parameter} was not changed at {shown(time)}: {reason}")
 
 
 def _requested_files(

@@ -50,6 +50,8 @@ class ApiText:
     drivers: list[str]
     connect: str
     event_functions: list[str]
+    parameters: bool
+    """Whether the program has parameters."""
 
 
 @record
@@ -120,12 +122,15 @@ class Interface:
             drivers=self.drivers,
             connect=self.connect,
             event_functions=self.event_functions,
+            parameters=bool(self.network.parameters),
         )
 
     @property
     def own_types(self) -> bool:
-        """Whether ports have types that the program defines."""
-        return any(isinstance(port.type, StructType | ArrayType | EnumType) for port in self.network.external_ports)
+        """Whether ports or parameters have types that the program defines."""
+        return bool(self.network.parameters) or any(
+            isinstance(port.type, StructType | ArrayType | EnumType) for port in self.network.external_ports
+        )
 
     # ---- The header
 
@@ -252,7 +257,8 @@ class Interface:
         rows = [f"static void connect({self.prefix}_instance *self)", "{"]
         table = Aggregate(tuple(drivers) or ((None, code("0")),))
         rows += lines([define("const struct network_drivers", "drivers", table)], 1)
-        rows += ["    network_initialize(&self->network, &drivers, &self->kernel_hooks);", "}"]
+        given = ", self->hooks.parameters" if self.network.parameters else ""
+        rows += [f"    network_initialize(&self->network, &drivers, &self->kernel_hooks{given});", "}"]
         return "\n".join(rows)
 
     def _drivers(self, ports: Sequence[ExternalPort]) -> Code:

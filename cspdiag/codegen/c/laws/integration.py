@@ -36,7 +36,7 @@ from cspdiag.codegen.c.text.statements import (
 from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type, is_single
 from cspdiag.network.ir.equations import SubmodelEquation
-from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, VariableValue
+from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, TunableValue, VariableValue
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelState
 from cspdiag.network.ir.walk import PartsByType
@@ -146,7 +146,7 @@ class Integration:
         given = {*self.states, *self.held, *(equation.name for equation in self.equations)}
         inside = PartsByType((self.derivatives, self.equations))
         read = {part.name for part in inside.of(SignalValue)}
-        read |= {part.name for part in inside.of(ParameterValue)}
+        read |= {part.name for part in inside.of(ParameterValue)} | {part.name for part in inside.of(TunableValue)}
         return bool(inside.of(VariableValue)) or not read <= given
 
     def steps(self, outer: Callable[[str], Code], count: Code | None) -> list[Statement]:

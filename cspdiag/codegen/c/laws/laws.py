@@ -48,7 +48,7 @@ from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import FunctionCall
 from cspdiag.network.ir.faults import may_fault
-from cspdiag.network.ir.network import SubmodelClass
+from cspdiag.network.ir.network import ClassParameter, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 _STEPS = "integration_steps"
@@ -176,7 +176,7 @@ class LawFiles:
             ("States", [self._field(state) for state in class_.states]),
         ]
         stored = [
-            self._field(item)
+            self._parameter(item)
             for item in class_.parameters
             if item.name in self._used_in_runs or self._needs_sample(item)
         ]
@@ -198,6 +198,11 @@ class LawFiles:
     def _needs_sample(self, item: Declared) -> bool:
         return item.name == "sample" and bool(self.class_.derivatives) and self.class_.step is None
 
+    def _parameter(self, item: ClassParameter) -> tuple[str, str, str | None]:
+        if not item.tunable:
+            return self._field(item)
+        return f"const {self.types.type_name(item.type)} *", self.members[item.name], item.doc
+
     def _field(self, item: Declared) -> tuple[str, str, str | None]:
         type_ = self.signal_types[item.name]
         seconds = isinstance(type_, TimeType) and any(item.name == p.name for p in self.class_.parameters)
@@ -206,7 +211,7 @@ class LawFiles:
         return self.types.type_name(type_), self.members[item.name], item.doc
 
     def _parameters(self) -> list[str]:
-        parameters = [f"{self.types.type_name(item.type)} {self.members[item.name]}" for item in self.class_.parameters]
+        parameters = [self.types.parameter(item, self.members[item.name]) for item in self.class_.parameters]
         return [*self._given("initialize"), *parameters]
 
     def _prototypes(self) -> list[str]:
@@ -269,7 +274,7 @@ class LawFiles:
             member = self.members[item.name]
             if item.name in self._used_in_runs or self._needs_sample(item):
                 value = code(member)
-                if isinstance(item.type, TimeType):
+                if isinstance(item.type, TimeType) and not item.tunable:
                     seconds = call("csp_seconds", member)
                     value = cast("float", seconds) if item.name in self._single_seconds else seconds
                 statements.append(store(own(member), value))

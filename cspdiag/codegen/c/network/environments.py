@@ -19,6 +19,7 @@ from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.laws.linear import LinearStep, linear_steps
 from cspdiag.codegen.c.network.devices import Devices
 from cspdiag.codegen.c.network.external_ports import port_groups
+from cspdiag.codegen.c.network.parameters import parameter_of
 from cspdiag.codegen.c.text.code import (
     CSP,
     EQUALITY,
@@ -72,9 +73,11 @@ from cspdiag.codegen.shared.equations import (
 from cspdiag.model.types import ArrayType, StructType, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.expressions import TunableValue
 from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass
+from cspdiag.network.ir.walk import parts
 
-_LOCALS = LOCALS | {"now", "present", "self", "state", "device", "value", "last"}
+_LOCALS = LOCALS | {"program", "now", "present", "self", "state", "device", "value", "last"}
 _STATE = "void *state"
 """The parameter of the functions in the table, which know nothing of the struct."""
 
@@ -178,6 +181,8 @@ class EnvironmentFiles:
 
     def _struct(self) -> Statement:
         statements: list[Statement] = [define("int64_t", "now", remark="in nanoseconds")]
+        if self.uses_parameters:
+            statements.append(define("const struct network *", "program", remark="which has the parameters"))
         system = self._system
         for port in self._simulated:
             key = port.key
@@ -209,7 +214,15 @@ class EnvironmentFiles:
         def lvalue(name: str) -> Code:
             return code(self._members[name]) if name in known else self._signal(name)
 
-        return Printer(self.types, signal=lvalue, time=time)
+        def program(name: str) -> Code:
+            return address(parameter_of(own("program"), name, self.network, self.names))
+
+        return Printer(self.types, signal=lvalue, time=time, program=program)
+
+    @cached_property
+    def uses_parameters(self) -> bool:
+        """Whether the environment uses parameters of the program."""
+        return any(isinstance(part, TunableValue) for part in parts(self._system))
 
     def _writer(self, printer: Printer, *, at: bool = False) -> EquationWriter:
         """``at``: for a function that does not return whether it failed; its caller checks."""
@@ -251,7 +264,7 @@ class EnvironmentFiles:
         return [] if self._system is None else linear_steps(self._system, self._members)
 
     def _start(self) -> Function:
-        statements: list[Statement] = [self._self(), store(own("now"), "0"), *self._devices.opening()]
+        statements: list[Statement] = [self._self(), *self._program(), store(own("now"), "0"), *self._devices.opening()]
         system = self._system
         if system is not None:
             printer = self._printer((), "0.0")
@@ -278,7 +291,7 @@ class EnvironmentFiles:
 
     def _advance(self) -> Function:
         system = self._system
-        statements: list[Statement] = [self._self()]
+        statements: list[Statement] = [self._self(), *self._program()]
         statements += self._state_updates(system) if system is not None and system.states else []
         statements.append(store(own("now"), "now"))
         statements.append(return_value(call(f"{self.name}_evaluate", CSP, "self") if self._results else "true"))
@@ -286,6 +299,12 @@ class EnvironmentFiles:
 
     def _self(self) -> Statement:
         return define(f"struct {self.name} *const", "self", "state")
+
+    def _program(self) -> list[Statement]:
+        """Where the parameters are: the program may have been moved since the last instant."""
+        if not self.uses_parameters:
+            return []
+        return [store(own("program"), call("CSP_ENCLOSING", CSP, "struct network", "kernel"))]
 
     def _state_updates(self, system: SubmodelClass) -> list[Statement]:
         """The statements that advance the states to ``now``, with the present values of the inputs."""

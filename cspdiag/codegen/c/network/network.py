@@ -8,6 +8,7 @@ from typing import assert_never
 from cspdiag.base.record import record
 from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.network.network_names import names_file
+from cspdiag.codegen.c.network.parameters import ParameterText
 from cspdiag.codegen.c.process.leaves import ports_header
 from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.processes import NetworkFacts, ProcessFiles, process_files
@@ -117,7 +118,8 @@ class _NetworkFiles:
         members = [*_driver_members(self.network, self.types)] or [define("char", "unused")]
         rows += [*lines([Block(tuple(members), "struct network_drivers", "};")]), ""]
         rows += ["/* Builds the network, before each run; csp_build says what the hooks are. */"]
-        rows += [*signature("void network_initialize", _BUILDING, ";"), ""]
+        rows += [*signature("void network_initialize", (*_BUILDING, *self._parameters.given), ";"), ""]
+        rows += self._parameters.declarations()
         rows += self._bring_declarations()
         rows += ["extern const csp_program network_program;", ""]
         if self.variables:
@@ -139,6 +141,7 @@ class _NetworkFiles:
         """The members of the structure with all state of a program: first the kernel, to which offsets refer."""
         members = self._members()
         yield define("csp_kernel", "kernel")
+        yield from self._parameters.memory()
         yield define(f"struct {struct}", "top", remark="the outermost process, with all others inside")
         ports = [(port, members[port.key]) for port in self.network.external_ports]
         fields = [define(_STRUCTS[port.medium], name) for port, name in ports]
@@ -158,11 +161,16 @@ class _NetworkFiles:
         rows = ['#include "network.h"', "", '#include "constants.h"', ""]
         rows += [*self._safe_values(members), *self._table(members)]
         program = self._program()
-        building = Function("void network_initialize", _BUILDING, tuple(self._initialization(members)))
-        rows += [*self._reports(), *program, "", *lines([building])]
+        given = (*_BUILDING, *self._parameters.given)
+        building = Function("void network_initialize", given, tuple(self._initialization(members)))
+        rows += [*self._reports(), *self._parameters.functions(), *program, "", *lines([building])]
         brings = self._bring_functions(members)
         rows += ["", *brings] if brings else []
         return "\n".join([*rows, ""])
+
+    @property
+    def _parameters(self) -> ParameterText:
+        return ParameterText(self.network, self.names, self.types)
 
     def _members(self) -> Names:
         members = Names()
@@ -229,6 +237,7 @@ class _NetworkFiles:
             define("csp_numbers", "numbers", numbers),
             run(ignored(call("memset", "self", "0", call("sizeof", "*self")))),
             run(call("csp_build", CSP, "&network_program", "hooks")),
+            *self._parameters.initialization(),
         ]
         drivers = _driver_lvalues(self.network, self.types)
         for number, (port, driver) in enumerate(zip(ports, drivers, strict=True)):
@@ -275,7 +284,13 @@ class _NetworkFiles:
         if fields:
             arguments.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
         values = dict(self.network.arguments)
-        arguments += [self.types.literal(values[item.name], item.type) for item in self.top.parameters]
+        tunable = dict(self.network.tunable)
+        arguments += [
+            self._parameters.reference(tunable[item.name])
+            if item.tunable
+            else self.types.literal(values[item.name], item.type)
+            for item in self.top.parameters
+        ]
         return call(f"{struct}_initialize", *arguments)
 
     def _reports(self) -> list[str]:
@@ -319,6 +334,7 @@ class _NetworkFiles:
             *(["    .ports = port_table,", f"    .port_count = {count}U,"] if count else []),
             *(["    .exception_names = exception_names,"] if exceptions else []),
             *(["    .variable_names = network_variable_names,"] if self.variables else []),
+            *self._parameters.program(),
             "#if CSP_TRACE",
             "    .process_name = process_name,",
             "    .channel_name = channel_name,",

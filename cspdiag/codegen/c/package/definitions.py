@@ -26,9 +26,29 @@ def plain_types_header(network: Network, name: str, types: CTypes) -> str:
     rows += [f"#ifndef {guard}", f"#define {guard}", "", "#include <stdbool.h>", "#include <stdint.h>", ""]
     for enum in network.enums:
         rows += [*_enum(f"enum {types.names.types[enum.name]}", types.names.literals[enum.name]), ""]
+    for parameter in network.parameters:
+        types.type_name(parameter.type)
     for type_ in _in_order(network, types):
         rows += [*_struct(type_, types), ""]
+    rows += _parameters(network, name, types)
     return "\n".join([*rows, "#endif", ""])
+
+
+def _parameters(network: Network, name: str, types: CTypes) -> list[str]:
+    """The structure with the parameters of the program."""
+    own = [parameter for parameter in network.parameters if parameter.follows is None]
+    if not own:
+        return []
+    members = [
+        define(
+            types.type_name(parameter.type),
+            types.names.parameters[parameter.name],
+            remark=" ".join(parameter.doc.split()) if parameter.doc else None,
+        )
+        for parameter in own
+    ]
+    about = "The parameters of the program, which may change while it runs. Durations are in nanoseconds."
+    return [*comment(wrapped(about)), *lines([Block(tuple(members), f"struct {name}_parameters", "};")]), ""]
 
 
 def types_header(network: Network, names: PackageNames, types: CTypes, plain: str) -> str:

@@ -41,6 +41,7 @@ _SIMULATION = (
     "csp_simulation_posix.c",
     "csp_stream.c",
     "csp_stream_posix.c",
+    "csp_tuning_posix.c",
     "csp_watch.c",
 )
 _CONFIGURATION = "csp_config.h"
@@ -75,6 +76,7 @@ class Simulation:
 
     top: str
     environments: list[Scenario]
+    parameters: bool
 
 
 @record
@@ -193,7 +195,9 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
             files.update(environment_files(environment, lowered, names, types))
             files.update(fmu_files(environment, types))
             rows.append(f"`{names.environments[environment.name]}.c` | the environment `{environment.name}`")
-        main = Simulation(network.top, [_scenario(entry, names) for entry in environments])
+        main = Simulation(
+            network.top, [_scenario(entry, names) for entry in environments], parameters=bool(network.parameters)
+        )
         files["main_simulation.c"] = render("main_simulation.c.j2", main=main)
     files["constants.h"] = constants_header(lowered, names, types)
     files[f"{names.prefix}_types.h"] = plain_types_header(lowered, names.prefix, types)

@@ -32,7 +32,7 @@ from cspdiag.codegen.shared.document import Document
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import AfterEvent, ChannelEnd, End, PortEnd
-from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
     Connection,
     ConstantEnd,
@@ -141,7 +141,7 @@ class _Initialization:
             tuple(c.attachment for instance in process.instances for c in instance.connections),
             tuple(self.members.inside.of(AfterEvent)),
         )
-        return {part.name for part in parts(evaluated) if isinstance(part, ParameterValue)}
+        return {part.name for part in parts(evaluated) if isinstance(part, ParameterValue | TunableValue)}
 
     def _ports(self) -> Iterator[Plain]:
         members = self.members
@@ -257,7 +257,10 @@ class _Initialization:
         class_ = self.members.classes[instance.class_name]
         struct = self.writer.names.classes[class_.name]
         lvalue = own(self.members.member(instance.name))
-        given = [self._printed(value) for _, value in instance.arguments]
+        given = [
+            self.printer.reference(value) if isinstance(value, TunableValue) else self._printed(value)
+            for _, value in instance.arguments
+        ]
         if isinstance(class_, SubmodelClass):
             return [
                 run(call(f"{struct}_initialize", *kernel_of(law_verbs(class_), "initialize"), address(lvalue), *given))

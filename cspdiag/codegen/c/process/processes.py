@@ -187,5 +187,5 @@ def head(members: Members, struct: str) -> tuple[str, tuple[str, ...]]:
     if port_members(members):
         given.append(f"const struct {struct}_ports *ports")
     for item in members.process.parameters:
-        given.append(f"{members.types.type_name(item.type)} {members.parameters[item.name]}")
+        given.append(members.types.parameter(item, members.parameters[item.name]))
     return f"void {struct}_initialize", tuple(given)

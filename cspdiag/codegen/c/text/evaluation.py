@@ -77,6 +77,8 @@ class Evaluator:
     signal: Callable[[str], Code] = _unexpected
     variable: Callable[[str], Code] = _unexpected
     written: Callable[[str], Code | None] = _always_written
+    program: Callable[[str], Code] = _unexpected
+    """A pointer to a parameter of the program, in an environment."""
     seconds: Callable[[str, bool], Code] | None = None
     """A parameter of type ``time`` in seconds, as a double or else as a float."""
     time: str | None = None

@@ -23,8 +23,10 @@ from cspdiag.codegen.c.text.code import (
     cast,
     conditional,
     infix,
+    member_of,
     minus,
     negated,
+    target,
 )
 from cspdiag.codegen.c.text.evaluation import Evaluator
 from cspdiag.codegen.c.text.operands import (
@@ -69,6 +71,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -116,6 +119,8 @@ class Printer(Evaluator):
                 return self._literal(expression)
             case ParameterValue(name=name):
                 return self.parameter(name)
+            case TunableValue():
+                return target(self.reference(expression))
             case VariableValue(channel=channel):
                 return self._variable(channel)
             case SignalValue(name=name):
@@ -137,6 +142,8 @@ class Printer(Evaluator):
                 return self._function(expression)
             case Conversion():
                 return self._conversion(expression)
+            case FieldValue(operand=TunableValue() as operand, field=name):
+                return member_of(self.reference(operand), self.types.field(name))
             case FieldValue(operand=operand, field=name):
                 return self._print(operand).field(self.types.field(name))
             case ElementValue():
@@ -150,6 +157,10 @@ class Printer(Evaluator):
                 inner = Aggregate(tuple((None, part) for part in self._in_order(values)))
                 return Aggregate(((None, inner),), self.types.type_name(expression.type))
         assert_never(expression)
+
+    def reference(self, expression: TunableValue) -> Code:
+        """A pointer to a parameter of the program."""
+        return self.program(expression.name) if expression.of_program else self.parameter(expression.name)
 
     def _literal(self, expression: LiteralValue) -> Code:
         name = expression.name
@@ -326,6 +337,8 @@ class Printer(Evaluator):
             operand = self._save(operand, expression.operand.type)
         if not index_fits(expression):
             index = call("csp_index", index, str(expression.operand.type.size))
+        if isinstance(expression.operand, TunableValue):
+            return Element(member_of(self.reference(expression.operand), "at"), index)
         return Element(operand.field("at"), index)
 
 

@@ -113,8 +113,9 @@ class PackageNames(Package):
     def __init__(self, network: Network) -> None:
         super().__init__(network)
         self.prefix = library_name(self.package)
+        of_parameters = words("parameters defaults get set" if network.parameters else "")
         interface = (
-            *(f"{self.prefix}_{part}" for part in _INTERFACE),
+            *(f"{self.prefix}_{part}" for part in (*_INTERFACE, *sorted(of_parameters))),
             *(f"{self.prefix}_{part}".upper() for part in _INTERFACE_CONSTANTS),
         )
         self._names = Names((*FILES, *HEADERS, *_NETWORK_NAMES, *interface))
@@ -149,6 +150,8 @@ class PackageNames(Package):
             if name not in ("Timeout", "Fault")
         }
         self.constants: Mapping[str, str] = {entry.name: self._names.fresh(entry.name) for entry in network.constants}
+        members = Names()
+        self.parameters: Mapping[str, str] = {entry.name: members[entry.name] for entry in network.parameters}
         self.globals = frozenset(
             (*self.constants.values(), *(name for names in self.literals.values() for name in names))
         )

@@ -21,6 +21,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -107,7 +108,7 @@ def is_lvalue(expression: Expression) -> bool:
             return is_lvalue(operand) and not may_fault(expression)
         case StructValue() | ArrayElements():
             return not may_fault(expression)
-        case LiteralValue() | ParameterValue() | VariableValue() | SignalValue():
+        case LiteralValue() | ParameterValue() | TunableValue() | VariableValue() | SignalValue():
             return True
         case (
             PresentTime() | UnaryOperation() | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion()

@@ -24,6 +24,7 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.network.ir.expressions import Value
+from cspdiag.network.ir.network import ClassParameter
 
 _UNITS = (("CSP_S", 1_000_000_000), ("CSP_MS", 1_000_000), ("CSP_US", 1_000))
 _INT_MAXIMUM = 2**31 - 1
@@ -105,6 +106,11 @@ class CTypes:
             case TextType() | UnknownType():
                 raise ValueError(f"{type_} has no literals in C")
         assert_never(type_)
+
+    def parameter(self, parameter: ClassParameter, name: str) -> str:
+        """The declaration of a parameter of a class: a pointer, if it refers to a parameter of the program."""
+        type_name = self.type_name(parameter.type)
+        return f"const {type_name} *{name}" if parameter.tunable else f"{type_name} {name}"
 
     def initial(self, value: Value, type_: Type) -> Code:
         """A value as the initializer of a definition, which may be static."""

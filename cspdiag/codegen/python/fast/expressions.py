@@ -64,6 +64,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     Typed,
     UnaryOperation,
     Value,
@@ -136,7 +137,7 @@ class FastPrinter(Printer):
                 return function not in _UNFOLDED and all(self._sound(argument) for argument in arguments)
             case StructValue(values=values) | ArrayElements(values=values):
                 return all(self._sound(value) for value in values)
-            case ParameterValue() | VariableValue() | PresentTime():
+            case ParameterValue() | TunableValue() | VariableValue() | PresentTime():
                 return False
             case _:
                 assert_never(expression)

@@ -63,6 +63,7 @@ from cspdiag.codegen.python.text.types import annotation
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import ChannelEnd, End, ParallelSteps, PortEnd
+from cspdiag.network.ir.expressions import TunableValue
 from cspdiag.network.ir.external import external_calls
 from cspdiag.network.ir.network import (
     CreatedChoice,
@@ -93,6 +94,14 @@ def has_parts_by_hand(network: Network) -> bool:
     return any(isinstance(entry, SubmodelClass) or entry.external is not None for entry in network.classes)
 
 
+def keeps_state(process: ProcessClass, network: Network) -> bool:
+    """Whether states and variables are attributes: the process may run more than once, or begin with values that
+    parameters of the program had when it was made.
+    """
+    initial = (process.states, tuple(channel.initial for channel in process.channels))
+    return process.name in rerun_classes(network) or any(isinstance(part, TunableValue) for part in parts(initial))
+
+
 @lru_cache(maxsize=1)
 def has_levels(network: Network) -> bool:
     """Whether the program has prioritized parallels."""
@@ -121,7 +130,7 @@ class _ProcessWriter(ConstructorWriter):
         self.network = network
         self.names = names
         self.modules = modules
-        self.spelling = Spelling(process, network, process.name in rerun_classes(network), options.probed)
+        self.spelling = Spelling(process, network, keeps_state(process, network), options.probed)
         self.members = self.spelling.members
         self._name_everything()
         self.imports = Imports(names, taken=self.spelling.taken())

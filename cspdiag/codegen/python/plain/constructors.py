@@ -9,7 +9,7 @@ from cspdiag.codegen.python.plain.instances import path
 from cspdiag.codegen.python.plain.members import Array, Members
 from cspdiag.codegen.python.text.code import NONE, Argument, Call, Code, Name, WholeNumber, own, typed
 from cspdiag.codegen.python.text.imports import Imports
-from cspdiag.codegen.python.text.modules import port_annotation
+from cspdiag.codegen.python.text.modules import parameter_annotation, port_annotation
 from cspdiag.codegen.python.text.rolling import rolled_list
 from cspdiag.codegen.python.text.statements import Statement, assign
 from cspdiag.codegen.python.text.types import annotation
@@ -39,7 +39,7 @@ class ConstructorWriter:
 
     def _parameters(self) -> tuple[str, ...]:
         arguments = self.members.arguments
-        keywords = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
+        keywords = [f"{arguments[p.name]}: {parameter_annotation(p, self.imports)}" for p in self.process.parameters]
         keywords += [f"{arguments[p.name]}: {self._port_annotation(p)}" for p in self.process.ports]
         return ("self", "name: str", *(["*", *keywords] if keywords else []))
 

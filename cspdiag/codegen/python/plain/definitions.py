@@ -1,14 +1,17 @@
-"""Named constants, enums, structs and exceptions of the text."""
+"""Named constants, parameters, enums, structs and exceptions of the text."""
 
 from __future__ import annotations
 
 from cspdiag.base.record import record
+from cspdiag.codegen.python.plain.expressions import Printer
+from cspdiag.codegen.python.text.code import SELF, Argument, Call, Constant, call, own, typed
 from cspdiag.codegen.python.text.imports import Imports
-from cspdiag.codegen.python.text.literals import remark
+from cspdiag.codegen.python.text.literals import quoted, remark
 from cspdiag.codegen.python.text.names import PackageNames
-from cspdiag.codegen.python.text.statements import assign, lines
-from cspdiag.codegen.python.text.types import annotation, enum_members, field_names, literal
-from cspdiag.network.ir.network import Network
+from cspdiag.codegen.python.text.splitting import methods
+from cspdiag.codegen.python.text.statements import Function, Remark, Statement, assign, lines, run
+from cspdiag.codegen.python.text.types import accepted, annotation, enum_members, field_names, literal
+from cspdiag.network.ir.network import Network, ProgramParameter
 
 
 @record
@@ -73,3 +76,43 @@ class _OwnTypes(Imports):
 def exception_views(names: PackageNames) -> list[Definition]:
     """Declared exceptions."""
     return [Definition(python, f"The exception {name}.", []) for name, python in names.exceptions.items()]
+
+
+@record
+class ParametersModule:
+    """The values for its template."""
+
+    imports: list[str]
+    functions: list[list[str]]
+
+
+def parameters_module(network: Network, names: PackageNames) -> ParametersModule:
+    """The module ``parameters``."""
+    imports = Imports(names)
+    imports.runtime("ProgramParameters")
+    statements: list[Statement] = [run(call(call("super").field("__init__")))]
+    followed: list[Statement] = []
+    printer = Printer(imports, program=SELF)
+    for parameter in network.parameters:
+        statements += [Remark(row) for row in (parameter.doc or "").strip().split("\n") if row]
+        place = names.place(parameter.span.file, parameter.span.line)
+        statements.append(assign(own(names.parameters[parameter.name]), _made(parameter, imports), place))
+        if parameter.follows is not None:
+            target = own(names.parameters[parameter.name]).field("value")
+            followed.append(assign(target, printer.print(parameter.follows), place))
+    functions = [Function("__init__", ("self",), tuple(statements))]
+    if followed:
+        doc = "Compute the constants that follow from the parameters."
+        functions.append(Function("follow", ("self",), tuple(followed), doc=doc))
+    return ParametersModule(imports=imports.lines(), functions=methods(functions, imports))
+
+
+def _made(parameter: ProgramParameter, imports: Imports) -> Call:
+    arguments = [
+        Argument(Constant(quoted(parameter.name))),
+        Argument(literal(parameter.value, parameter.type, imports)),
+    ]
+    if parameter.follows is None:
+        arguments.append(Argument(accepted(parameter.type, imports)))
+    made = typed(imports.runtime("Parameter"), annotation(parameter.type, imports))
+    return Call(made, tuple(arguments))

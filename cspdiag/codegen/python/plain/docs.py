@@ -34,6 +34,7 @@ def _parameter(item: ClassParameter) -> str:
     if item.name == "sample" and item.derived:
         return "sample: the sample period in seconds."
     unit = ", in nanoseconds" if isinstance(item.type, TimeType) else ""
+    unit += ", which may change" if item.tunable else ""
     return _with_doc(f"{item.name}: {item.type}{unit}", item.doc)
 
 

@@ -15,6 +15,7 @@ from cspdiag.codegen.python.plain.linear import STEP, LinearStep, MatrixEntry, l
 from cspdiag.codegen.python.plain.submodels import INTEGRATION
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
+    OR,
     PRODUCT,
     SUM,
     Code,
@@ -51,6 +52,7 @@ from cspdiag.codegen.shared.equations import (
     uses_time,
     values,
 )
+from cspdiag.codegen.shared.names import words
 from cspdiag.devices.catalogue import DEVICES
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir.declared import Declared
@@ -100,7 +102,8 @@ class EnvironmentWriter:
         self.package = names
         self.modules = modules
         self.system = environment.system
-        self.names = Names({*self.members, *names.constants.values()})
+        self.tunable = words("parameters" if network.parameters else "")
+        self.names = Names({*self.members, *self.tunable, *names.constants.values()})
         self.types = signal_types(self.system) if self.system is not None else {}
         for name in self.types:
             self.names[name]
@@ -108,7 +111,7 @@ class EnvironmentWriter:
             self.names[device.name]
         self.linear = [] if self.system is None else linear_steps(self.system, self.names)
         matrices = (name for step in self.linear for name in self._names_of_matrices(step))
-        taken = {*(self.names[name] for name in self.types), *self.members, *matrices}
+        taken = {*(self.names[name] for name in self.types), *self.members, *self.tunable, *matrices}
         self.imports = Imports(names, taken=taken, dots="..")
         self.constants = constants_needed(self.system) if self.system is not None else []
 
@@ -171,6 +174,11 @@ class EnvironmentWriter:
 
     def _constructor(self) -> Function:
         statements: list[Statement] = [*self._at_time_0()]
+        arguments = ["self"]
+        if self.tunable:
+            class_ = self.imports.parameters()
+            arguments.append(f"parameters: {class_} | None = None")
+            statements.append(assign(own("parameters"), infix("or", OR, Name("parameters"), call(class_))))
         entries: list[Code] = []
         devices = {
             external: (device, port) for device in self.environment.drivers for port, external in device.connections
@@ -204,7 +212,7 @@ class EnvironmentWriter:
         mapping, driver_type = self.imports.standard("collections.abc", "Mapping"), self.imports.runtime("Driver")
         type_ = f"{mapping}[str, {driver_type}]"
         statements.append(Assign(own("drivers"), Items("{}", tuple(entries)), annotation=type_))
-        return Function("__init__", ("self",), tuple(statements))
+        return Function("__init__", tuple(arguments), tuple(statements))
 
     def _ports_of(self, driver: DriverInstance) -> Iterable[tuple[str, Code]]:
         """The arguments with the ports of a device that has those which its driver declares, and what they are for."""

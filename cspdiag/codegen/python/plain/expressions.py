@@ -23,6 +23,7 @@ from cspdiag.codegen.python.text.code import (
     infix,
     minus,
     negated,
+    own,
     tuple_of,
 )
 from cspdiag.codegen.python.text.imports import Imports
@@ -55,6 +56,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -70,6 +72,10 @@ ROUNDED_FUNCTIONS = frozenset(
     {"sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "quantize", "deadzone"}
 )
 """Functions whose result may need more digits than a binary32 argument has."""
+
+
+PARAMETERS = own("parameters")
+"""The parameters of the program, in a class that has all of them."""
 
 
 def _unexpected(name: str) -> Code:
@@ -89,6 +95,8 @@ class Printer:
     seconds: Callable[[str], Code] | None = None
     """A parameter of type ``time`` in seconds."""
     time: Code | None = None
+    program: Code = PARAMETERS
+    """The object with the parameters of the program."""
 
     def print(self, expression: Expression) -> Code:
         """The Python expression."""
@@ -102,6 +110,8 @@ class Printer:
                 return literal(value, expression.type, self.imports, expression.span)
             case ParameterValue(name=name):
                 return self.parameter(name)
+            case TunableValue():
+                return self.reference(expression).field("value")
             case VariableValue(channel=channel):
                 return self.variable(channel)
             case SignalValue(name=name):
@@ -141,6 +151,12 @@ class Printer:
             case ArrayElements(values=values):
                 return tuple_of(self.print(value) for value in values)
         assert_never(expression)
+
+    def reference(self, expression: TunableValue) -> Code:
+        """The object that holds a parameter of the program."""
+        if expression.of_program:
+            return self.program.field(self.imports.names.parameters[expression.name])
+        return self.parameter(expression.name)
 
     def _operation(self, expression: BinaryOperation) -> Code:
         operator = expression.operator

@@ -18,6 +18,7 @@ from cspdiag.codegen.python.text.names import MEMBERS, PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.rolling import rolled_list
 from cspdiag.codegen.shared.places_in_arrays import NUMBER
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
+from cspdiag.network.ir.expressions import Expression, TunableValue
 from cspdiag.network.ir.network import (
     Connection,
     ConstantEnd,
@@ -55,7 +56,7 @@ class Instances:
             self._keywords[class_.name] = keywords_of(class_)
         keywords = self._keywords[class_.name]
         arguments = [Argument(path(instance.name))]
-        arguments += [Argument(self.initial.print(value), keywords[name]) for name, value in instance.arguments]
+        arguments += [Argument(self._argument(value), keywords[name]) for name, value in instance.arguments]
         for port in class_.ports:
             attached = [c for c in instance.connections if c.port == port.name]
             value = self._attached(port, attached, isinstance(class_, SubmodelClass))
@@ -65,6 +66,11 @@ class Instances:
         if isinstance(class_, ProcessClass) and class_.external is not None:
             return Call(Name(self.modules.imported(class_.external, self.imports)), tuple(arguments))
         return Call(Name(self.imports.class_(class_.name)), tuple(arguments))
+
+    def _argument(self, value: Expression) -> Code:
+        if isinstance(value, TunableValue):
+            return self.initial.reference(value)
+        return self.initial.print(value)
 
     def _attached(self, port: Port, connections: Sequence[Connection], by_submodel: bool) -> Code:
         ordered = sorted(connections, key=lambda connection: connection.index or 0)

@@ -29,7 +29,7 @@ from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import Function, Statement, Statements, assign, run
 from cspdiag.network.checks.unwritten import may_be_unwritten
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
-from cspdiag.network.ir.expressions import ParameterValue
+from cspdiag.network.ir.expressions import ParameterValue, TunableValue
 from cspdiag.network.ir.network import CoreClass, Network
 from cspdiag.network.ir.walk import parts
 
@@ -99,7 +99,7 @@ class _ProcessWriter(ConstructorWriter):
         """Parameters and output ports that ``run`` uses."""
         used: dict[str, None] = {}
         for part in parts(self.process.body) if self.process.body is not None else ():
-            if isinstance(part, ParameterValue):
+            if isinstance(part, ParameterValue | TunableValue):
                 used[part.name] = None
             elif isinstance(part, PortEnd) and not self.members.is_input(part):
                 used[part.port] = None

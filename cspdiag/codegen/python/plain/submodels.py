@@ -23,7 +23,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
-from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
+from cspdiag.codegen.python.text.modules import ClassModule, parameter_annotation, port_annotation
 from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, identifier
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, return_, run, unpack
@@ -139,7 +139,7 @@ class _SubmodelWriter:
 
     def _constructor(self) -> Function:
         class_ = self.class_
-        keywords = [f"{self.names[p.name]}: {annotation(p.type, self.imports)}" for p in class_.parameters]
+        keywords = [f"{self.names[p.name]}: {parameter_annotation(p, self.imports)}" for p in class_.parameters]
         keywords += [f"{self.names[p.name]}: {port_annotation(p, self.imports)}" for p in class_.ports]
         ports = [self.names[port.name] for port in class_.ports]
         statements = (
@@ -163,7 +163,7 @@ class _SubmodelWriter:
             if item.name in self.attributes:
                 python = self.names[item.name]
                 value: Code = Name(python)
-                if isinstance(item.type, TimeType):
+                if isinstance(item.type, TimeType) and not item.tunable:
                     value = infix("/", PRODUCT, value, Name(self.imports.runtime("s")))
                 yield assign(own(python), value)
 

@@ -49,6 +49,10 @@ class Imports:
         """An enum or a struct of the text."""
         return self._from("types", self.names.types[name])
 
+    def parameters(self) -> str:
+        """The class with the parameters of the program."""
+        return self._from("parameters", "Parameters")
+
     def exception(self, name: str) -> str:
         """An exception of the text or of the runtime."""
         if name in self.names.exceptions:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cspdiag.base.record import record
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.types import annotation
-from cspdiag.network.ir.network import Port
+from cspdiag.network.ir.network import ClassParameter, Port
 
 
 @record
@@ -17,6 +17,12 @@ class ClassModule:
     head: str
     docstring: list[str]
     functions: list[list[str]]
+
+
+def parameter_annotation(parameter: ClassParameter, imports: Imports) -> str:
+    """The type of a parameter: ``Parameter[float]`` for one that refers to a parameter of the program."""
+    type_ = annotation(parameter.type, imports)
+    return f"{imports.runtime('Parameter')}[{type_}]" if parameter.tunable else type_
 
 
 def port_annotation(port: Port, imports: Imports) -> str:

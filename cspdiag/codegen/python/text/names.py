@@ -36,6 +36,8 @@ MEMBERS = words(
 PROCESS_MEMBERS = MEMBERS | words("kind steps start end fail blame checked tracked _enclosing")
 """The same with those of ``Routine``: a generated process has the same names at every level of optimization."""
 
+PARAMETERS_MEMBERS = words("self follow next_change plan reach refused _coming _lock _made")
+"""The names that the base class ``ProgramParameters`` defines."""
 MODULES = words("network constants types exceptions runtime environments external devices")
 """Modules of a generated package, which no class may be stored in."""
 
@@ -82,13 +84,16 @@ class PackageNames(Package):
 
     def __init__(self, network: Network) -> None:
         super().__init__(network)
-        definitions = Names({"Timeout", "Fault", "IntEnum", "NamedTuple"})
-        modules = Names(MODULES)
+        own = words("Parameters" if network.parameters else "")
+        definitions = Names({"Timeout", "Fault", "IntEnum", "NamedTuple"} | own)
+        modules = Names(MODULES | words("parameters" if network.parameters else ""))
         self.classes: Mapping[str, str] = {entry.name: definitions[entry.name] for entry in network.classes}
         self.types: Mapping[str, str] = {
             name: definitions[name] for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
         }
         self.constants: Mapping[str, str] = {entry.name: definitions[entry.name] for entry in network.constants}
+        attributes = Names(PARAMETERS_MEMBERS)
+        self.parameters: Mapping[str, str] = {entry.name: attributes[entry.name] for entry in network.parameters}
         self.exceptions: Mapping[str, str] = {
             name: definitions[name] for name in network.exceptions if name not in ("Timeout", "Fault")
         }

@@ -31,6 +31,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     Value,
     VariableValue,
@@ -38,7 +39,7 @@ from cspdiag.network.ir.expressions import (
 from cspdiag.network.lower.precision.types import outside_type, parts_of, program_type, rounded_to
 
 T = TypeVar("T")
-Named: TypeAlias = ParameterValue | VariableValue | SignalValue
+Named: TypeAlias = ParameterValue | TunableValue | VariableValue | SignalValue
 
 EXACT_IN_DOUBLE = 2.0**53
 NONE: frozenset[str] = frozenset()
@@ -141,7 +142,7 @@ class Outside:
                     return expression
                 kept = name if name in self._named_literals or kind == program_type(kind) else None
                 return replaced(expression, type=kind, value=rounded_to(kind, expression.value), name=kept)
-            case ParameterValue() | VariableValue() | SignalValue() | FieldValue() | ElementValue():
+            case ParameterValue() | TunableValue() | VariableValue() | SignalValue() | FieldValue() | ElementValue():
                 return _widened(self._place(expression), kind)
             case PresentTime():
                 return expression
@@ -168,7 +169,7 @@ class Outside:
 
     def _place(self, expression: Expression) -> Expression:
         """What has a name, or an element or field of it, of the type that it has there."""
-        if isinstance(expression, ParameterValue | VariableValue | SignalValue):
+        if isinstance(expression, Named):
             return replaced(expression, type=self._declared(expression))
         if isinstance(expression, FieldValue):
             whole = self._place(expression.operand)

@@ -17,7 +17,15 @@ from cspdiag.network.diagnostics.precision import ChangedArgument
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.actions import CoreAction
 from cspdiag.network.ir.equations import ExternalCall, LinearBlock, SubmodelEquation
-from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, Value, VariableValue
+from cspdiag.network.ir.expressions import (
+    Expression,
+    LiteralValue,
+    ParameterValue,
+    SignalValue,
+    TunableValue,
+    Value,
+    VariableValue,
+)
 from cspdiag.network.ir.network import (
     ClassParameter,
     CoreNetwork,
@@ -25,6 +33,7 @@ from cspdiag.network.ir.network import (
     Instantiation,
     NamedConstant,
     ProcessClass,
+    ProgramParameter,
     SubmodelClass,
 )
 from cspdiag.network.ir.walk import parts
@@ -77,6 +86,7 @@ def in_single_precision(network: CoreNetwork, report: Report) -> CoreNetwork | N
             for entry in network.constants
             if entry.name in still_named or entry.name in _constants_named(environments)
         ),
+        parameters=tuple(_parameter(entry, precision) for entry in network.parameters),
         structs=precision.inside(network.structs),
         classes=classes,
         external_ports=ports,
@@ -95,6 +105,16 @@ def _constant(entry: NamedConstant) -> NamedConstant:
     return replaced(entry, type=kind, value=rounded_to(kind, entry.value))
 
 
+def _parameter(entry: ProgramParameter, precision: Precision) -> ProgramParameter:
+    kind = program_type(entry.type)
+    return replaced(
+        entry,
+        type=kind,
+        value=_checked(entry.type, entry.value, entry.span, precision),
+        follows=None if entry.follows is None else _once(entry.follows, kind, precision),
+    )
+
+
 def _checked(kind: Type, value: Value, span: Span, precision: Precision) -> Value:
     precision.check(kind, value, span)
     return rounded_to(program_type(kind), value)
@@ -111,6 +131,8 @@ def _once(value: Expression, kind: Type, precision: Precision, doubles: frozense
     """What is computed once, as a value of this type: in double precision, and rounded at the end."""
     if isinstance(value, LiteralValue) and kind == program_type(value.type):
         return precision.literal(value)
+    if isinstance(value, TunableValue) and kind == program_type(value.type):
+        return replaced(value, type=kind)
 
     def declared(part: Named) -> Type:
         is_kept = not isinstance(part, VariableValue) and part.name in doubles
@@ -205,6 +227,8 @@ class _Instances:
         if outer:
             around, known = self._values[outer]
             for parameter, expression in self._given[around, name]:
+                if isinstance(expression, TunableValue):
+                    continue
                 place = expression.span or parameters[parameter].span
                 value = constant_value(expression, known_by_name(known))
                 self._check(item.path, parameters[parameter], before[parameter], place, expression)
@@ -278,6 +302,8 @@ def _environment(entry: Environment, own: frozenset[str]) -> Environment:
     kinds = {port.name: port.type for port in ports}
 
     def declared(part: Named) -> Type:
+        if isinstance(part, TunableValue):
+            return program_type(part.type)
         return (
             kinds.get(part.name, outside_type(part.type)) if isinstance(part, SignalValue) else outside_type(part.type)
         )

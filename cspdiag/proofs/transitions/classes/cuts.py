@@ -27,6 +27,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -126,7 +127,7 @@ def _differences(
                 shifted = [constant - sign * more for constant in constants]
                 yield from _differences(left, shifted, one, arguments)
         case (
-            LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation()
+            LiteralValue() | ParameterValue() | TunableValue() | SignalValue() | PresentTime() | UnaryOperation()
             | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion() | FieldValue()
             | ElementValue() | StructValue() | ArrayElements()
         ):  # fmt: skip
@@ -189,8 +190,9 @@ def _copied(expression: Expression, one: Class) -> set[Item]:
         case ConditionalValue():
             return _copied(expression.then, one) | _copied(expression.otherwise, one)
         case (
-            LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation() | BinaryOperation()
-            | FunctionCall() | Conversion() | FieldValue() | ElementValue() | StructValue() | ArrayElements()
+            LiteralValue() | ParameterValue() | TunableValue() | SignalValue() | PresentTime() | UnaryOperation()
+            | BinaryOperation() | FunctionCall() | Conversion() | FieldValue() | ElementValue() | StructValue()
+            | ArrayElements()
         ):  # fmt: skip
             return set()
         case _:

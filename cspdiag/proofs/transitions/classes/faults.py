@@ -28,6 +28,7 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
     StructValue,
+    TunableValue,
     UnaryOperation,
     VariableValue,
 )
@@ -179,7 +180,7 @@ class Faults:
             case ElementValue():
                 return not index_fits(part)
             case (
-                LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation()
+                LiteralValue() | ParameterValue() | TunableValue() | SignalValue() | PresentTime() | UnaryOperation()
                 | ConditionalValue() | FieldValue() | StructValue() | ArrayElements()
             ):  # fmt: skip
                 return False

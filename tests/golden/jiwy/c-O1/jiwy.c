@@ -56,7 +56,8 @@ static const csp_class jiwy_class = {
     .offset = 0
 };
 
-void jiwy_initialize(struct jiwy *self, csp_numbers *numbers, const struct jiwy_ports *ports)
+void jiwy_initialize(struct jiwy *self, csp_numbers *numbers, const struct jiwy_ports *ports,
+    const struct jiwy_servo_gains *panGains, const struct jiwy_servo_gains *tiltGains)
 {
     csp_process_init(&self->process, &jiwy_class, numbers->process);
     numbers->process++;

@@ -28,6 +28,7 @@ struct jiwy {
 };
 
 /* Before the program starts. */
-void jiwy_initialize(struct jiwy *self, csp_numbers *numbers, const struct jiwy_ports *ports);
+void jiwy_initialize(struct jiwy *self, csp_numbers *numbers, const struct jiwy_ports *ports,
+    const struct jiwy_servo_gains *panGains, const struct jiwy_servo_gains *tiltGains);
 
 #endif

@@ -161,7 +161,7 @@ static void connect(jiwy_instance *self)
         .control_horizontal = {.device = self, .write = write_control_horizontal},
         .control_vertical = {.device = self, .write = write_control_vertical}
     };
-    network_initialize(&self->network, &drivers, &self->kernel_hooks);
+    network_initialize(&self->network, &drivers, &self->kernel_hooks, self->hooks.parameters);
 }
 
 /* ---- The interface ---- */
@@ -232,6 +232,13 @@ jiwy_instance *jiwy_begin(void *memory, size_t size,
     self->program = &network_program;
     self->place = self;
     connect(self);
+    if (self->network.refused) {
+        self->place = NULL;
+        if (reason != NULL) {
+            *reason = "the parameters have values that the program cannot have";
+        }
+        return NULL;
+    }
     (void)csp_begin(&self->network.kernel);
     return self;
 }
@@ -262,6 +269,22 @@ jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
     }
     csp_release_outputs(&self->network.kernel);
     return state;
+}
+
+void jiwy_defaults(jiwy_parameters *parameters)
+{
+    *parameters = network_defaults;
+}
+
+void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters)
+{
+    *parameters = self->network.parameters;
+}
+
+bool jiwy_set(jiwy_instance *self,
+    const jiwy_parameters *parameters)
+{
+    return network_set(&self->network, parameters);
 }
 
 int64_t jiwy_next(jiwy_instance *self)

@@ -140,6 +140,16 @@ static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joi
 static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
     struct joint_control *self)
 {
+    const double pid_tauD = csp_seconds(self->gains->tauD); /* laws.csp:6 */
+    const double pid_beta = self->gains->beta; /* laws.csp:6 */
+    /* laws.csp:14 */
+    const double pid_f =
+        csp_divide(csp, 1.0, self->motionControl_servo_sample + pid_tauD * pid_beta);
+    if (csp_faulted_at(csp, "laws.csp:14")) {
+        return false;
+    }
+    const double pid_kp = self->gains->kp; /* laws.csp:6 */
+    const double pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
     /* laws.csp:71 */
     const double centre =
         (self->motionControl_servo_leftmax + self->motionControl_servo_rightmax) / 2.0;
@@ -161,29 +171,26 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
     const double profile_angle = profile_from + self->motionControl_servo_sample * profile_velocity;
     const double pid_error = profile_angle - self->motionControl_servo_feedback; /* laws.csp:75 */
     /* laws.csp:15 */
-    const double pid_d = self->motionControl_servo_pid_f
-        * (self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_beta
-                * self->motionControl_servo_pid_ud
-            + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_kp
-                * (pid_error - self->motionControl_servo_pid_e1)
-            + self->motionControl_servo_sample * self->motionControl_servo_pid_kp * pid_error);
+    const double pid_d = pid_f
+        * (pid_tauD * pid_beta * self->motionControl_servo_pid_ud
+            + pid_tauD * pid_kp * (pid_error - self->motionControl_servo_pid_e1)
+            + self->motionControl_servo_sample * pid_kp * pid_error);
     /* laws.csp:16 */
     const double pid_i = self->motionControl_servo_pid_ui
-        + csp_divide(csp, self->motionControl_servo_sample * pid_d,
-            self->motionControl_servo_pid_tauI);
+        + csp_divide(csp, self->motionControl_servo_sample * pid_d, pid_tauI);
     if (csp_faulted_at(csp, "laws.csp:16")) {
         return false;
     }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
     /* laws.csp:77 */
-    const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
+    const double assistance = self->gains->friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
     /* laws.csp:78 */
     self->motionControl_servo_control = csp_limit(supply * pid_output + assistance, -12.0, supply);
     /* laws.csp:80 */
     const double standing = (fabs(
                 self->motionControl_servo_reference - self->motionControl_servo_feedback)
-            < self->gains.tolerance)
+            < self->gains->tolerance)
         ? self->motionControl_servo_arrived + self->motionControl_servo_sample
         : 0.0;
     const double profile_last_next = profile_angle; /* laws.csp:39 */
@@ -226,6 +233,15 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
  */
 static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_control *self)
 {
+    const double pid_tauD = csp_seconds(self->gains->tauD); /* laws.csp:6 */
+    const double pid_beta = self->gains->beta; /* laws.csp:6 */
+    /* laws.csp:14 */
+    const double pid_f = csp_divide(csp, 1.0, self->homing_servo_sample + pid_tauD * pid_beta);
+    if (csp_faulted_at(csp, "laws.csp:14")) {
+        return false;
+    }
+    const double pid_kp = self->gains->kp; /* laws.csp:6 */
+    const double pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
     /* laws.csp:71 */
     const double centre = (self->homing_servo_leftmax + self->homing_servo_rightmax) / 2.0;
     /* laws.csp:72 */
@@ -246,26 +262,25 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
     const double profile_angle = profile_from + self->homing_servo_sample * profile_velocity;
     const double pid_error = profile_angle - self->homing_servo_feedback; /* laws.csp:75 */
     /* laws.csp:15 */
-    const double pid_d = self->homing_servo_pid_f
-        * (self->homing_servo_pid_tauD * self->homing_servo_pid_beta * self->homing_servo_pid_ud
-            + self->homing_servo_pid_tauD * self->homing_servo_pid_kp
-                * (pid_error - self->homing_servo_pid_e1)
-            + self->homing_servo_sample * self->homing_servo_pid_kp * pid_error);
+    const double pid_d = pid_f
+        * (pid_tauD * pid_beta * self->homing_servo_pid_ud
+            + pid_tauD * pid_kp * (pid_error - self->homing_servo_pid_e1)
+            + self->homing_servo_sample * pid_kp * pid_error);
     /* laws.csp:16 */
-    const double pid_i = self->homing_servo_pid_ui
-        + csp_divide(csp, self->homing_servo_sample * pid_d, self->homing_servo_pid_tauI);
+    const double pid_i =
+        self->homing_servo_pid_ui + csp_divide(csp, self->homing_servo_sample * pid_d, pid_tauI);
     if (csp_faulted_at(csp, "laws.csp:16")) {
         return false;
     }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
     /* laws.csp:77 */
-    const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
+    const double assistance = self->gains->friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
     /* laws.csp:78 */
     self->homing_servo_control = csp_limit(supply * pid_output + assistance, -12.0, supply);
     /* laws.csp:80 */
     const double standing =
-        (fabs(self->homing_servo_reference - self->homing_servo_feedback) < self->gains.tolerance)
+        (fabs(self->homing_servo_reference - self->homing_servo_feedback) < self->gains->tolerance)
             ? self->homing_servo_arrived + self->homing_servo_sample
             : 0.0;
     self->homing_servo_stop = standing >= 0.1; /* laws.csp:82 */
@@ -837,10 +852,9 @@ static const csp_class joint_control_class = {
 };
 
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-    const struct joint_control_ports *ports, int64_t T, struct jiwy_servo_gains gains,
+    const struct joint_control_ports *ports, int64_t T, const struct jiwy_servo_gains *gains,
     double alignKp)
 {
-    csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &joint_control_class, numbers->process);
     numbers->process += 5U;
     self->gains = gains;
@@ -858,20 +872,7 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     self->alignL_velocity_sample = csp_seconds(T);
     self->alignR_velocity_sample = csp_seconds(T);
     self->motionControl_servo_sample = csp_seconds(T);
-    self->motionControl_servo_pid_tauD = csp_seconds(gains.tauD);
-    self->motionControl_servo_pid_beta = gains.beta;
-    self->motionControl_servo_pid_f = csp_divide(csp, 1.0,
-        self->motionControl_servo_sample
-            + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_beta);
-    self->motionControl_servo_pid_kp = gains.kp;
-    self->motionControl_servo_pid_tauI = csp_seconds(gains.tauI);
     self->homing_servo_sample = csp_seconds(T);
-    self->homing_servo_pid_tauD = csp_seconds(gains.tauD);
-    self->homing_servo_pid_beta = gains.beta;
-    self->homing_servo_pid_f = csp_divide(csp, 1.0,
-        self->homing_servo_sample + self->homing_servo_pid_tauD * self->homing_servo_pid_beta);
-    self->homing_servo_pid_kp = gains.kp;
-    self->homing_servo_pid_tauI = csp_seconds(gains.tauI);
     self->alignL_velocity_moving = false;
     self->alignL_velocity_last = 0.0;
     self->alignL_velocity_filtered = 0.0;

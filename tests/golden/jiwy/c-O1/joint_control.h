@@ -22,7 +22,7 @@ struct joint_control {
     csp_ends alignR_samples;
     csp_ends motionControl_samples;
     csp_ends homing_samples;
-    struct jiwy_servo_gains gains;
+    const struct jiwy_servo_gains *gains;
     double alignKp;
     csp_latched_output *control;
     csp_sampled_end alignL_feedback;
@@ -50,17 +50,7 @@ struct joint_control {
     double alignL_velocity_sample;
     double alignR_velocity_sample;
     double motionControl_servo_sample;
-    double motionControl_servo_pid_tauD;
-    double motionControl_servo_pid_beta;
-    double motionControl_servo_pid_f;
-    double motionControl_servo_pid_kp;
-    double motionControl_servo_pid_tauI;
     double homing_servo_sample;
-    double homing_servo_pid_tauD;
-    double homing_servo_pid_beta;
-    double homing_servo_pid_f;
-    double homing_servo_pid_kp;
-    double homing_servo_pid_tauI;
     bool alignL_velocity_moving;
     double alignL_velocity_last;
     double alignL_velocity_filtered;
@@ -120,7 +110,7 @@ struct joint_control {
 
 /* Before the program starts. */
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-    const struct joint_control_ports *ports, int64_t T, struct jiwy_servo_gains gains,
+    const struct joint_control_ports *ports, int64_t T, const struct jiwy_servo_gains *gains,
     double alignKp);
 
 #endif

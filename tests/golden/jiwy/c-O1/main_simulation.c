@@ -8,12 +8,12 @@ static struct network network;
 
 static void connect_bench_environment(void)
 {
-    network_initialize(&network, &bench_environment_drivers, csp_port_hooks());
+    network_initialize(&network, &bench_environment_drivers, csp_port_hooks(), NULL);
 }
 
 static void connect_worn_environment(void)
 {
-    network_initialize(&network, &worn_environment_drivers, csp_port_hooks());
+    network_initialize(&network, &worn_environment_drivers, csp_port_hooks(), NULL);
 }
 
 static const csp_scenario scenarios[] = {

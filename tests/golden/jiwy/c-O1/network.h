@@ -9,6 +9,8 @@
 /* All memory of the program. */
 struct network {
     csp_kernel kernel;
+    struct jiwy_parameters parameters;
+    bool refused; /* those with which it was to begin */
     struct jiwy top; /* the outermost process, with all others inside */
     struct {
         csp_sampled_input joystick_horizontal;
@@ -53,7 +55,15 @@ struct network_drivers {
 
 /* Builds the network, before each run; csp_build says what the hooks are. */
 void network_initialize(struct network *self, const struct network_drivers *drivers,
-    const csp_hooks *hooks);
+    const csp_hooks *hooks, const struct jiwy_parameters *parameters);
+
+/* Sets the parameters, between two steps; false: nothing was done, because a value is not
+ * finite, or something that follows from them cannot be computed.
+ */
+bool network_set(struct network *self, const struct jiwy_parameters *parameters);
+
+/* The values of the text. */
+extern const struct jiwy_parameters network_defaults;
 
 /* An interrupt handler brings an event: the latest value counts. True: it has overwritten one. */
 bool network_bring_joystick_buttons(struct network *self, int64_t value);

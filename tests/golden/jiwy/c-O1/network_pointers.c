@@ -161,6 +161,7 @@ static const csp_pointer_member pointers_of_joint_control_members[] = {
         &pointers_of_csp_ends
     },
     {offsetof(struct joint_control, homing_samples), 1U, sizeof(csp_ends), &pointers_of_csp_ends},
+    {offsetof(struct joint_control, gains), 1U, sizeof(void *), NULL},
     {offsetof(struct joint_control, control), 1U, sizeof(void *), NULL},
     {
         offsetof(struct joint_control, alignL_feedback), 1U, sizeof(csp_sampled_end),
@@ -222,7 +223,7 @@ static const csp_pointer_member pointers_of_joint_control_members[] = {
     },
     {offsetof(struct joint_control, offers_made), 2, sizeof(csp_offer), &pointers_of_csp_offer}
 };
-static const csp_pointers pointers_of_joint_control = {pointers_of_joint_control_members, 23U};
+static const csp_pointers pointers_of_joint_control = {pointers_of_joint_control_members, 24U};
 
 static const csp_pointer_member pointers_of_jiwy_members[] = {
     {offsetof(struct jiwy, process), 1U, sizeof(csp_process), &pointers_of_csp_process},

@@ -25,26 +25,6 @@ static const int64_t Tsh = 2 * CSP_MS; /* jiwy.csp:5 */
 /* Sample period of the vertical joint. */
 static const int64_t Tsv = CSP_MS; /* jiwy.csp:7 */
 /* What the joystick reports when its stop button is pressed. */
-static const int64_t stopButton = 2; /* jiwy.csp:10 */
-/* Servo of the horizontal joint; the first four are published. */
-/* jiwy.csp:13 */
-static const struct jiwy_servo_gains panGains = {
-    .kp = 2.6,
-    .tauD = 50 * CSP_MS,
-    .beta = 0.17,
-    .tauI = 9 * CSP_S,
-    .friction = 0.25,
-    .tolerance = 0.004
-};
-/* Servo of the vertical joint. */
-/* jiwy.csp:15 */
-static const struct jiwy_servo_gains tiltGains = {
-    .kp = 1.6,
-    .tauD = 50 * CSP_MS,
-    .beta = 0.001,
-    .tauI = 10500 * CSP_MS,
-    .friction = 0.165,
-    .tolerance = 0.015
-};
+static const int64_t stopButton = 2; /* jiwy.csp:9 */
 
 #endif

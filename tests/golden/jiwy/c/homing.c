@@ -171,9 +171,8 @@ static const csp_class homing_class = {
 };
 
 void homing_initialize(struct homing *self, csp_numbers *numbers, const struct homing_ports *ports,
-    int64_t T, struct jiwy_servo_gains gains, int64_t patience)
+    int64_t T, const struct jiwy_servo_gains *gains, int64_t patience)
 {
-    csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &homing_class, numbers->process);
     numbers->process++;
     self->patience = patience;
@@ -189,8 +188,8 @@ void homing_initialize(struct homing *self, csp_numbers *numbers, const struct h
     self->reference_written.number = numbers->variable;
     numbers->variable++;
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
-    position_controller_initialize(csp, &self->servo, gains, 0.0, 6.0, 50 * CSP_MS, 100 * CSP_MS,
-        0.05, csp_seconds(T));
+    position_controller_initialize(&self->servo, gains, 0.0, 6.0, 50 * CSP_MS, 100 * CSP_MS, 0.05,
+        csp_seconds(T));
     csp_process_init(&self->repeat_servo_branch, &homing_repeat_servo_class,
         self->process.party.number);
     csp_interrupt_init(&self->interrupt_repeat_servo,

@@ -46,6 +46,6 @@ struct homing {
 
 /* Before the program starts. */
 void homing_initialize(struct homing *self, csp_numbers *numbers, const struct homing_ports *ports,
-    int64_t T, struct jiwy_servo_gains gains, int64_t patience);
+    int64_t T, const struct jiwy_servo_gains *gains, int64_t patience);
 
 #endif

@@ -21,6 +21,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "jiwy_types.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -28,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define JIWY_SIZE 9192U
+#define JIWY_SIZE 8984U
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -76,6 +78,9 @@ typedef struct jiwy_times {
     uint32_t instant;
 } jiwy_times;
 
+/* What may change while the program runs. */
+typedef struct jiwy_parameters jiwy_parameters;
+
 /* What the program asks of you. `context` is passed to all functions. */
 typedef struct jiwy_hooks {
     void *context;
@@ -84,6 +89,8 @@ typedef struct jiwy_hooks {
      * executed in its turn, however long the steps are.
      */
     bool real_time;
+    /* The parameters with which it begins; NULL: those of the text. */
+    const jiwy_parameters *parameters;
     /* Stores the sample of this input in its member of `inputs`; false: there is no new one. */
     bool (*sample)(void *context, jiwy_input input, jiwy_inputs *inputs);
     /* Stores the value of this event, of the type that its function has; false: it has not
@@ -141,6 +148,19 @@ static inline bool jiwy_continues(jiwy_state state)
 {
     return (state == JIWY_MORE) || (state == JIWY_BUDGET);
 }
+
+/* The parameters with the values of the text. */
+void jiwy_defaults(jiwy_parameters *parameters);
+
+/* The present parameters. */
+void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters);
+
+/* Changes the parameters, between two steps: everything from the next instant on has the new values.
+ * False: nothing was done, because a value is not finite, or something that follows from them cannot
+ * be computed.
+ */
+bool jiwy_set(jiwy_instance *self,
+    const jiwy_parameters *parameters);
 
 /* The next instant at which something is due; INT64_MAX: nothing but events. */
 int64_t jiwy_next(jiwy_instance *self);

@@ -17,4 +17,11 @@ struct jiwy_servo_gains {
     double tolerance;
 };
 
+/* The parameters of the program, which may change while it runs. Durations are in nanoseconds. */
+struct jiwy_parameters {
+    /* Servo of the horizontal joint; the first four are published. */
+    struct jiwy_servo_gains panGains;
+    struct jiwy_servo_gains tiltGains; /* Servo of the vertical joint. */
+};
+
 #endif

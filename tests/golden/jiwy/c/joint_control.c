@@ -84,8 +84,8 @@ static const csp_class joint_control_class = {
 };
 
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-    const struct joint_control_ports *ports, int64_t T, struct jiwy_servo_gains gains, double reach,
-    double alignSpeed, double alignKp, double alignKi)
+    const struct joint_control_ports *ports, int64_t T, const struct jiwy_servo_gains *gains,
+    double reach, double alignSpeed, double alignKp, double alignKi)
 {
     csp_process_init(&self->process, &joint_control_class, numbers->process);
     numbers->process++;

@@ -33,7 +33,7 @@ struct joint_control {
 
 /* Before the program starts. */
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-    const struct joint_control_ports *ports, int64_t T, struct jiwy_servo_gains gains, double reach,
-    double alignSpeed, double alignKp, double alignKi);
+    const struct joint_control_ports *ports, int64_t T, const struct jiwy_servo_gains *gains,
+    double reach, double alignSpeed, double alignKp, double alignKi);
 
 #endif

@@ -138,10 +138,9 @@ static const csp_class motion_control_class = {
 };
 
 void motion_control_initialize(struct motion_control *self, csp_numbers *numbers,
-    const struct motion_control_ports *ports, int64_t T, struct jiwy_servo_gains gains,
+    const struct motion_control_ports *ports, int64_t T, const struct jiwy_servo_gains *gains,
     double reach)
 {
-    csp_kernel *const csp = numbers->csp;
     csp_process_init(&self->process, &motion_control_class, numbers->process);
     numbers->process++;
     self->leftmax = ports->leftmax;
@@ -158,8 +157,8 @@ void motion_control_initialize(struct motion_control *self, csp_numbers *numbers
         csp_event_reader(&self->joystick_buttons_latch, ports->joystick_buttons);
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     csp_sampled_end_init(&self->joystick_axis, ports->joystick_axis, &self->samples);
-    position_controller_initialize(csp, &self->servo, gains, reach, 6.0, 50 * CSP_MS, 100 * CSP_MS,
-        0.05, csp_seconds(T));
+    position_controller_initialize(&self->servo, gains, reach, 6.0, 50 * CSP_MS, 100 * CSP_MS, 0.05,
+        csp_seconds(T));
     csp_alternative_init(&self->choice.alternative, self->choice.guards, 2U, NULL, true);
     csp_guard_read(&self->choice.alternative, 0U, &self->joystick_buttons->medium, &self->status,
         sizeof(self->status));

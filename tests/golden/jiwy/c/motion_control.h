@@ -52,7 +52,7 @@ struct motion_control {
 
 /* Before the program starts. */
 void motion_control_initialize(struct motion_control *self, csp_numbers *numbers,
-    const struct motion_control_ports *ports, int64_t T, struct jiwy_servo_gains gains,
+    const struct motion_control_ports *ports, int64_t T, const struct jiwy_servo_gains *gains,
     double reach);
 
 #endif

@@ -68,6 +68,53 @@ static void channel_name(uint32_t number, char *text, size_t size)
 }
 #endif
 
+/* The values of the text. */
+const struct jiwy_parameters network_defaults = {
+    .panGains = {
+        .kp = 2.6,
+        .tauD = 50 * CSP_MS,
+        .beta = 0.17,
+        .tauI = 9 * CSP_S,
+        .friction = 0.25,
+        .tolerance = 0.004
+    },
+    .tiltGains = {
+        .kp = 1.6,
+        .tauD = 50 * CSP_MS,
+        .beta = 0.001,
+        .tauI = 10500 * CSP_MS,
+        .friction = 0.165,
+        .tolerance = 0.015
+    }
+};
+
+/* Tests the parameters, and computes what follows from them; false after a fault. */
+static bool follow(struct network *self)
+{
+    csp_kernel *const csp = &self->kernel;
+    jiwy_servo_gains_finite(csp, self->parameters.panGains, "panGains");
+    jiwy_servo_gains_finite(csp, self->parameters.tiltGains, "tiltGains");
+    return !csp_faulted(csp);
+}
+
+bool network_set(struct network *self, const struct jiwy_parameters *parameters)
+{
+    const struct jiwy_parameters before = self->parameters;
+    self->parameters = *parameters;
+    if (follow(self)) {
+        return true;
+    }
+    self->kernel.fault.describe = NULL;
+    self->parameters = before;
+    (void)follow(self);
+    return false;
+}
+
+static bool set_parameters(csp_kernel *csp, const void *parameters)
+{
+    return network_set(CSP_ENCLOSING(csp, struct network, kernel), parameters);
+}
+
 static const char *const exception_names[] = {"ModeFailed"};
 
 const csp_program network_program = {
@@ -76,6 +123,9 @@ const csp_program network_program = {
     .port_count = 7U,
     .exception_names = exception_names,
     .variable_names = network_variable_names,
+    .parameters = offsetof(struct network, parameters),
+    .parameters_size = sizeof(struct jiwy_parameters),
+    .set_parameters = set_parameters,
 #if CSP_TRACE
     .process_name = process_name,
     .channel_name = channel_name,
@@ -83,12 +133,15 @@ const csp_program network_program = {
 };
 
 void network_initialize(struct network *self, const struct network_drivers *drivers,
-    const csp_hooks *hooks)
+    const csp_hooks *hooks, const struct jiwy_parameters *parameters)
 {
     csp_kernel *const csp = &self->kernel;
     csp_numbers numbers = {.csp = csp, .process = 1U, .channel = 0U};
     (void)memset(self, 0, sizeof(*self));
     csp_build(csp, &network_program, hooks);
+    self->parameters = network_defaults;
+    (void)follow(self);
+    self->refused = (parameters != NULL) && !network_set(self, parameters);
     csp_sampled_input_init(&self->external.joystick_horizontal, 0U, 2 * CSP_MS,
         &self->present.joystick_horizontal, drivers->joystick_horizontal);
     csp_sampled_input_init(&self->external.joystick_vertical, 1U, CSP_MS,
@@ -117,7 +170,8 @@ void network_initialize(struct network *self, const struct network_drivers *driv
             .feedback_vertical = &self->external.feedback_vertical,
             .control_horizontal = &self->external.control_horizontal,
             .control_vertical = &self->external.control_vertical
-        });
+        },
+        &self->parameters.panGains, &self->parameters.tiltGains);
 }
 
 bool network_bring_joystick_buttons(struct network *self, int64_t value)

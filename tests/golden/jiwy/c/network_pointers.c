@@ -164,6 +164,11 @@ static const csp_pointer_member pointers_of_csp_event_end_members[] = {
 };
 static const csp_pointers pointers_of_csp_event_end = {pointers_of_csp_event_end_members, 4U};
 
+static const csp_pointer_member pointers_of_position_controller_members[] =
+    {{offsetof(struct position_controller, gains), 1U, sizeof(void *), NULL}};
+static const csp_pointers pointers_of_position_controller =
+    {pointers_of_position_controller_members, 1U};
+
 static const csp_pointer_member pointers_of_csp_offers_members[] = {
     {offsetof(csp_offers, process), 1U, sizeof(void *), NULL},
     {offsetof(csp_offers, offer), 1U, sizeof(void *), NULL}
@@ -199,6 +204,10 @@ static const csp_pointer_member pointers_of_motion_control_members[] = {
         &pointers_of_csp_sampled_end
     },
     {
+        offsetof(struct motion_control, servo), 1U, sizeof(struct position_controller),
+        &pointers_of_position_controller
+    },
+    {
         offsetof(struct motion_control, choice.alternative), 1U, sizeof(csp_alternative),
         &pointers_of_csp_alternative
     },
@@ -206,7 +215,7 @@ static const csp_pointer_member pointers_of_motion_control_members[] = {
     {offsetof(struct motion_control, offers), 1U, sizeof(csp_offers), &pointers_of_csp_offers},
     {offsetof(struct motion_control, offers_made), 2, sizeof(csp_offer), &pointers_of_csp_offer}
 };
-static const csp_pointers pointers_of_motion_control = {pointers_of_motion_control_members, 15U};
+static const csp_pointers pointers_of_motion_control = {pointers_of_motion_control_members, 16U};
 
 static const csp_pointer_member pointers_of_homing_members[] = {
     {offsetof(struct homing, process), 1U, sizeof(csp_process), &pointers_of_csp_process},
@@ -218,6 +227,10 @@ static const csp_pointer_member pointers_of_homing_members[] = {
     {offsetof(struct homing, control), 1U, sizeof(void *), NULL},
     {offsetof(struct homing, feedback), 1U, sizeof(csp_sampled_end), &pointers_of_csp_sampled_end},
     {
+        offsetof(struct homing, servo), 1U, sizeof(struct position_controller),
+        &pointers_of_position_controller
+    },
+    {
         offsetof(struct homing, repeat_servo_branch), 1U, sizeof(csp_process),
         &pointers_of_csp_process
     },
@@ -226,7 +239,7 @@ static const csp_pointer_member pointers_of_homing_members[] = {
         &pointers_of_csp_interrupt
     }
 };
-static const csp_pointers pointers_of_homing = {pointers_of_homing_members, 10U};
+static const csp_pointers pointers_of_homing = {pointers_of_homing_members, 11U};
 
 static const csp_pointer_member pointers_of_joint_control_members[] = {
     {offsetof(struct joint_control, process), 1U, sizeof(csp_process), &pointers_of_csp_process},

@@ -4,9 +4,9 @@
 #include "constants.h"
 #include "csp_arithmetic.h"
 
-void position_controller_initialize(csp_kernel *csp, struct position_controller *self,
-    struct jiwy_servo_gains gains, double reach, double rate, int64_t smoothing, int64_t dwell,
-    double margin, double sample)
+void position_controller_initialize(struct position_controller *self,
+    const struct jiwy_servo_gains *gains, double reach, double rate, int64_t smoothing,
+    int64_t dwell, double margin, double sample)
 {
     self->gains = gains;
     self->reach = reach;
@@ -15,12 +15,6 @@ void position_controller_initialize(csp_kernel *csp, struct position_controller 
     self->dwell = csp_seconds(dwell);
     self->margin = margin;
     self->sample = sample;
-    self->pid_tauD = csp_seconds(gains.tauD); /* laws.csp:6 */
-    self->pid_beta = gains.beta; /* laws.csp:6 */
-    self->pid_f = csp_divide(csp, 1.0, sample + self->pid_tauD * self->pid_beta); /* laws.csp:14 */
-    csp_fault_in(csp, "laws.csp:14");
-    self->pid_kp = gains.kp; /* laws.csp:6 */
-    self->pid_tauI = csp_seconds(gains.tauI); /* laws.csp:6 */
     position_controller_reset(self);
 }
 
@@ -36,6 +30,14 @@ void position_controller_reset(struct position_controller *self)
 
 bool position_controller_calculate(csp_kernel *csp, struct position_controller *self)
 {
+    const double pid_tauD = csp_seconds(self->gains->tauD); /* laws.csp:6 */
+    const double pid_beta = self->gains->beta; /* laws.csp:6 */
+    const double pid_f = csp_divide(csp, 1.0, self->sample + pid_tauD * pid_beta); /* laws.csp:14 */
+    if (csp_faulted_at(csp, "laws.csp:14")) {
+        return false;
+    }
+    const double pid_kp = self->gains->kp; /* laws.csp:6 */
+    const double pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
     const double centre = (self->leftmax + self->rightmax) / 2.0; /* laws.csp:71 */
     /* laws.csp:72 */
     self->reference = csp_real(csp,
@@ -57,22 +59,22 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
     const double profile_angle = profile_from + self->sample * profile_velocity; /* laws.csp:37 */
     const double pid_error = profile_angle - self->feedback; /* laws.csp:75 */
     /* laws.csp:15 */
-    const double pid_d = self->pid_f
-        * (self->pid_tauD * self->pid_beta * self->pid_ud
-            + self->pid_tauD * self->pid_kp * (pid_error - self->pid_e1)
-            + self->sample * self->pid_kp * pid_error);
+    const double pid_d = pid_f
+        * (pid_tauD * pid_beta * self->pid_ud
+            + pid_tauD * pid_kp * (pid_error - self->pid_e1)
+            + self->sample * pid_kp * pid_error);
     /* laws.csp:16 */
-    const double pid_i = self->pid_ui + csp_divide(csp, self->sample * pid_d, self->pid_tauI);
+    const double pid_i = self->pid_ui + csp_divide(csp, self->sample * pid_d, pid_tauI);
     if (csp_faulted_at(csp, "laws.csp:16")) {
         return false;
     }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
     /* laws.csp:77 */
-    const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
+    const double assistance = self->gains->friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
     self->control = csp_limit(supply * pid_output + assistance, -supply, supply); /* laws.csp:78 */
     /* laws.csp:80 */
-    const double standing = (fabs(self->reference - self->feedback) < self->gains.tolerance)
+    const double standing = (fabs(self->reference - self->feedback) < self->gains->tolerance)
         ? self->arrived + self->sample
         : 0.0;
     self->stop = standing >= self->dwell; /* laws.csp:82 */

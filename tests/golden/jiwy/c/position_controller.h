@@ -29,24 +29,19 @@ struct position_controller {
     double pid_ui;
     double arrived;
     /* Parameters and what follows from them. */
-    struct jiwy_servo_gains gains;
+    const struct jiwy_servo_gains *gains;
     double reach;
     double rate;
     double smoothing;
     double dwell;
     double margin;
     double sample;
-    double pid_tauD;
-    double pid_beta;
-    double pid_f;
-    double pid_kp;
-    double pid_tauI;
 };
 
 /* Before the first run; durations are in nanoseconds. */
-void position_controller_initialize(csp_kernel *csp, struct position_controller *self,
-    struct jiwy_servo_gains gains, double reach, double rate, int64_t smoothing, int64_t dwell,
-    double margin, double sample);
+void position_controller_initialize(struct position_controller *self,
+    const struct jiwy_servo_gains *gains, double reach, double rate, int64_t smoothing,
+    int64_t dwell, double margin, double sample);
 /* Puts the states back to their initial values. */
 void position_controller_reset(struct position_controller *self);
 /* One run, from inputs to outputs and next states; false after a fault. */

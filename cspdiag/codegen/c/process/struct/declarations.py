@@ -32,13 +32,13 @@ def port_members(members: Members) -> list[StructMember]:
 def declared(members: Members) -> list[StructMember]:
     """The members for parameters, ports, channels and instances, in this order."""
     process, found = members.process, [StructMember("csp_process process")]
-    types = {item.name: item.type for item in process.parameters}
+    parameters = {item.name: item for item in process.parameters}
     if members.has_samples:
         found.append(StructMember("csp_ends samples"))
     found += [StructMember(f"csp_ends {name}") for name in members.scope_samples.values()]
     docs = {item.name: item.doc for item in (*process.parameters, *process.ports)}
     for name in members.stored_parameters():
-        found.append(StructMember(f"{members.types.type_name(types[name])} {members.parameters[name]}", docs[name]))
+        found.append(StructMember(members.types.parameter(parameters[name], members.parameters[name]), docs[name]))
     found += _port_declarations(members)
     found += _channel_declarations(members)
     found += _signal_declarations(members)

@@ -25,7 +25,7 @@ from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.places_in_arrays import Arrays
 from cspdiag.model.types import IntType, Type
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
-from cspdiag.network.ir.expressions import ParameterValue
+from cspdiag.network.ir.expressions import ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
@@ -132,7 +132,9 @@ class Members:
 
     def stored_parameters(self) -> list[str]:
         """Parameters that step functions use."""
-        used = {part.name for part in self.inside.of(ParameterValue)}
+        used = {part.name for part in self.inside.of(ParameterValue)} | {
+            part.name for part in self.inside.of(TunableValue)
+        }
         return [name for name in self.parameters if name in used]
 
     def used_ports(self) -> list[tuple[Port, int | None]]:

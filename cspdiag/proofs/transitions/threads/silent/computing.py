@@ -30,6 +30,7 @@ from cspdiag.network.ir.expressions import (
     ParameterValue,
     PresentTime,
     SignalValue,
+    TunableValue,
     VariableValue,
 )
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
@@ -155,7 +156,7 @@ class Computing:
         return all(
             is_exact(self.thread.evaluate(configuration, context, part))
             for part in walk(expression)
-            if isinstance(part, VariableValue | ParameterValue | PresentTime | SignalValue)
+            if isinstance(part, VariableValue | ParameterValue | TunableValue | PresentTime | SignalValue)
         )
 
     def _risk_computing(self, configuration: Configuration, context: Context, expression: Expression) -> None:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from .constants import panGains, tiltGains
 from .joint_control import JointControl
-from .runtime import In, Routine, SampledInput, SampledOutput, Steps, Task, parallel
+from .runtime import In, Parameter, Routine, SampledInput, SampledOutput, Steps, Task, parallel
+from .types import ServoGains
 
 
 class Jiwy(Routine):
     """The pan-and-tilt end-effector: both joints at the same time, each at its own sample period.
 
     Source: jiwy.csp:134
+
+    Parameters:
+        panGains: ServoGains, which may change. Servo of the horizontal joint; the first four are published.
+        tiltGains: ServoGains, which may change. Servo of the vertical joint.
 
     Ports:
         joystick_horizontal: in, double @ Tsh.
@@ -31,6 +35,8 @@ class Jiwy(Routine):
         self,
         name: str,
         *,
+        panGains: Parameter[ServoGains],
+        tiltGains: Parameter[ServoGains],
         joystick_horizontal: SampledInput[float],
         joystick_vertical: SampledInput[float],
         joystick_buttons: In[int],

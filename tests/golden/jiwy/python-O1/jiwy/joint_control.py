@@ -12,6 +12,7 @@ from .runtime import (
     In,
     Inlined,
     Input,
+    Parameter,
     Ready,
     Routine,
     SampledInput,
@@ -35,7 +36,7 @@ class JointControl(Routine):
 
     Parameters:
         T: time, in nanoseconds.
-        gains: ServoGains.
+        gains: ServoGains, which may change.
         alignKp: double<V*s/rad>.
 
     Ports:
@@ -61,11 +62,6 @@ class JointControl(Routine):
         "gains",
         "homing_process",
         "homing_servo_law",
-        "homing_servo_pid_beta",
-        "homing_servo_pid_f",
-        "homing_servo_pid_kp",
-        "homing_servo_pid_tauD",
-        "homing_servo_pid_tauI",
         "homing_servo_sample",
         "joystick_axis",
         "joystick_buttons",
@@ -73,11 +69,6 @@ class JointControl(Routine):
         "motionControl_choice",
         "motionControl_process",
         "motionControl_servo_law",
-        "motionControl_servo_pid_beta",
-        "motionControl_servo_pid_f",
-        "motionControl_servo_pid_kp",
-        "motionControl_servo_pid_tauD",
-        "motionControl_servo_pid_tauI",
         "motionControl_servo_sample",
         "rightmax",
     )
@@ -91,7 +82,7 @@ class JointControl(Routine):
         name: str,
         *,
         T: int,
-        gains: ServoGains,
+        gains: Parameter[ServoGains],
         alignKp: float,
         feedback: SampledInput[float],
         joystick_axis: SampledInput[float],
@@ -105,24 +96,7 @@ class JointControl(Routine):
         self.alignL_velocity_sample = T / 1_000_000_000  # jiwy.csp:29
         self.alignR_velocity_sample = T / 1_000_000_000  # jiwy.csp:29
         self.motionControl_servo_sample = T / 1_000_000_000  # jiwy.csp:54
-        self.motionControl_servo_pid_tauD = gains.tauD / 1_000_000_000  # laws.csp:6
-        self.motionControl_servo_pid_beta = gains.beta  # laws.csp:6
-        # laws.csp:14
-        self.motionControl_servo_pid_f = 1.0 / (
-            self.motionControl_servo_sample
-            + self.motionControl_servo_pid_tauD * self.motionControl_servo_pid_beta
-        )
-        self.motionControl_servo_pid_kp = gains.kp  # laws.csp:6
-        self.motionControl_servo_pid_tauI = gains.tauI / 1_000_000_000  # laws.csp:6
         self.homing_servo_sample = T / 1_000_000_000  # jiwy.csp:82
-        self.homing_servo_pid_tauD = gains.tauD / 1_000_000_000  # laws.csp:6
-        self.homing_servo_pid_beta = gains.beta  # laws.csp:6
-        # laws.csp:14
-        self.homing_servo_pid_f = 1.0 / (
-            self.homing_servo_sample + self.homing_servo_pid_tauD * self.homing_servo_pid_beta
-        )
-        self.homing_servo_pid_kp = gains.kp  # laws.csp:6
-        self.homing_servo_pid_tauI = gains.tauI / 1_000_000_000  # laws.csp:6
         self.alignL_process = Inlined(f"{name}.alignL", "Align", source="jiwy.csp:129")
         self.alignR_process = Inlined(f"{name}.alignR", "Align", source="jiwy.csp:129")
         self.motionControl_process = Inlined(
@@ -166,22 +140,12 @@ class JointControl(Routine):
         motionControl_servo_law = self.motionControl_servo_law
         feedback_3 = self.feedback_3
         joystick_axis = self.joystick_axis
-        motionControl_servo_sample = self.motionControl_servo_sample
-        motionControl_servo_pid_f = self.motionControl_servo_pid_f
-        motionControl_servo_pid_tauD = self.motionControl_servo_pid_tauD
-        motionControl_servo_pid_beta = self.motionControl_servo_pid_beta
-        motionControl_servo_pid_kp = self.motionControl_servo_pid_kp
-        motionControl_servo_pid_tauI = self.motionControl_servo_pid_tauI
         gains = self.gains
+        motionControl_servo_sample = self.motionControl_servo_sample
         homing_process = self.homing_process
         homing_servo_law = self.homing_servo_law
         feedback_4 = self.feedback_4
         homing_servo_sample = self.homing_servo_sample
-        homing_servo_pid_f = self.homing_servo_pid_f
-        homing_servo_pid_tauD = self.homing_servo_pid_tauD
-        homing_servo_pid_beta = self.homing_servo_pid_beta
-        homing_servo_pid_kp = self.homing_servo_pid_kp
-        homing_servo_pid_tauI = self.homing_servo_pid_tauI
         motionControl_choice_guards = motionControl_choice.selector
         alignL_velocity_moving: bool = False  # laws.csp:97
         alignL_velocity_last: float = 0.0  # laws.csp:98
@@ -456,6 +420,14 @@ class JointControl(Routine):
                             observe(feedback_4.name, homing_servo_feedback, None, me)
                     else:
                         homing_servo_feedback = feedback_4.taken(me)
+                    homing_servo_pid_tauD = gains.value.tauD / 1_000_000_000  # laws.csp:6
+                    homing_servo_pid_beta = gains.value.beta  # laws.csp:6
+                    # laws.csp:14
+                    homing_servo_pid_f = 1.0 / (
+                        homing_servo_sample + homing_servo_pid_tauD * homing_servo_pid_beta
+                    )
+                    homing_servo_pid_kp = gains.value.kp  # laws.csp:6
+                    homing_servo_pid_tauI = gains.value.tauI / 1_000_000_000  # laws.csp:6
                     # laws.csp:71
                     homing_servo_centre = (homing_servo_leftmax + homing_servo_rightmax) / 2.0
                     # laws.csp:72
@@ -513,7 +485,7 @@ class JointControl(Routine):
                         else homing_servo_pid_sum
                     )
                     # laws.csp:77
-                    homing_servo_assistance = gains.friction * (
+                    homing_servo_assistance = gains.value.friction * (
                         -1.0
                         if (x1 := homing_servo_profile_velocity / 0.05) < -1.0
                         else 1.0
@@ -531,7 +503,8 @@ class JointControl(Routine):
                     # laws.csp:80
                     homing_servo_standing = (
                         homing_servo_arrived + homing_servo_sample
-                        if abs(homing_servo_reference - homing_servo_feedback) < gains.tolerance
+                        if abs(homing_servo_reference - homing_servo_feedback)
+                        < gains.value.tolerance
                         else 0.0
                     )
                     homing_servo_stop = homing_servo_standing >= 0.1  # laws.csp:82
@@ -690,6 +663,17 @@ class JointControl(Routine):
                                         motionControl_servo_feedback,
                                         motionControl_servo_setpoint,
                                     ) = yield from read_all(feedback_3, joystick_axis)
+                                # laws.csp:6
+                                motionControl_servo_pid_tauD = gains.value.tauD / 1_000_000_000
+                                motionControl_servo_pid_beta = gains.value.beta  # laws.csp:6
+                                # laws.csp:14
+                                motionControl_servo_pid_f = 1.0 / (
+                                    motionControl_servo_sample
+                                    + motionControl_servo_pid_tauD * motionControl_servo_pid_beta
+                                )
+                                motionControl_servo_pid_kp = gains.value.kp  # laws.csp:6
+                                # laws.csp:6
+                                motionControl_servo_pid_tauI = gains.value.tauI / 1_000_000_000
                                 # laws.csp:71
                                 motionControl_servo_centre = (
                                     motionControl_servo_leftmax + motionControl_servo_rightmax
@@ -774,7 +758,7 @@ class JointControl(Routine):
                                     else motionControl_servo_pid_sum
                                 )
                                 # laws.csp:77
-                                motionControl_servo_assistance = gains.friction * (
+                                motionControl_servo_assistance = gains.value.friction * (
                                     -1.0
                                     if (x1 := motionControl_servo_profile_velocity / 0.05) < -1.0
                                     else 1.0
@@ -799,7 +783,7 @@ class JointControl(Routine):
                                     if abs(
                                         motionControl_servo_reference - motionControl_servo_feedback
                                     )
-                                    < gains.tolerance
+                                    < gains.value.tolerance
                                     else 0.0
                                 )
                                 # laws.csp:39

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .jiwy import Jiwy
+from .parameters import Parameters
 from .runtime import (
     Driver,
     EventInput,
@@ -28,8 +29,9 @@ PORTS: tuple[str, ...] = (
 )
 
 
-def build(drivers: Mapping[str, Driver]) -> Network:
+def build(drivers: Mapping[str, Driver], parameters: Parameters | None = None) -> Network:
     """Connect the outermost process to its drivers, one for each name in `PORTS`."""
+    parameters = parameters or Parameters()
     joystick_horizontal = SampledInput[float](
         "Jiwy.joystick_horizontal",
         period=2 * ms,
@@ -63,6 +65,8 @@ def build(drivers: Mapping[str, Driver]) -> Network:
     return Network(
         Jiwy(
             "Jiwy",
+            panGains=parameters.panGains,
+            tiltGains=parameters.tiltGains,
             joystick_horizontal=joystick_horizontal,
             joystick_vertical=joystick_vertical,
             joystick_buttons=joystick_buttons,
@@ -80,4 +84,5 @@ def build(drivers: Mapping[str, Driver]) -> Network:
             control_horizontal,
             control_vertical,
         ),
+        parameters=parameters,
     )

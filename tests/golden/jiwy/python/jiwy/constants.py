@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from .runtime import ms, s
-from .types import ServoGains
+from .runtime import ms
 
 rotorInertia = 1.03e-06  # plant.csp:5
 
@@ -32,14 +31,4 @@ Tsh = 2 * ms  # jiwy.csp:5
 Tsv = 1 * ms  # jiwy.csp:7
 
 # What the joystick reports when its stop button is pressed.
-stopButton = 2  # jiwy.csp:10
-
-# Servo of the horizontal joint; the first four are published.
-# jiwy.csp:13
-panGains = ServoGains(kp=2.6, tauD=50 * ms, beta=0.17, tauI=9 * s, friction=0.25, tolerance=0.004)
-
-# Servo of the vertical joint.
-# jiwy.csp:15
-tiltGains = ServoGains(
-    kp=1.6, tauD=50 * ms, beta=0.001, tauI=10500 * ms, friction=0.165, tolerance=0.015
-)
+stopButton = 2  # jiwy.csp:9

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .exceptions import ModeFailed
 from .position_controller import PositionController
-from .runtime import After, In, Out, Process, Timeout, Variable, interrupt, ms, s
+from .runtime import After, In, Out, Parameter, Process, Timeout, Variable, interrupt, ms, s
 from .types import ServoGains
 
 
@@ -15,7 +15,7 @@ class Homing(Process):
 
     Parameters:
         T: time, in nanoseconds.
-        gains: ServoGains.
+        gains: ServoGains, which may change.
         patience: time, in nanoseconds.
 
     Ports:
@@ -30,7 +30,7 @@ class Homing(Process):
         name: str,
         *,
         T: int,
-        gains: ServoGains,
+        gains: Parameter[ServoGains],
         patience: int,
         leftmax: In[float],
         rightmax: In[float],

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from .constants import Tsh, Tsv, panGains, tiltGains
+from .constants import Tsh, Tsv
 from .joint_control import JointControl
-from .runtime import In, Out, Process, parallel
+from .runtime import In, Out, Parameter, Process, parallel
+from .types import ServoGains
 
 
 class Jiwy(Process):
     """The pan-and-tilt end-effector: both joints at the same time, each at its own sample period.
 
     Source: jiwy.csp:134
+
+    Parameters:
+        panGains: ServoGains, which may change. Servo of the horizontal joint; the first four are published.
+        tiltGains: ServoGains, which may change. Servo of the vertical joint.
 
     Ports:
         joystick_horizontal: in, double @ Tsh.
@@ -26,6 +31,8 @@ class Jiwy(Process):
         self,
         name: str,
         *,
+        panGains: Parameter[ServoGains],
+        tiltGains: Parameter[ServoGains],
         joystick_horizontal: In[float],
         joystick_vertical: In[float],
         joystick_buttons: In[int],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from .align import Align
 from .homing import Homing
 from .motion_control import MotionControl
-from .runtime import In, Out, Process, Variable, s
+from .runtime import In, Out, Parameter, Process, Variable, s
 from .types import ServoGains
 
 
@@ -16,7 +16,7 @@ class JointControl(Process):
 
     Parameters:
         T: time, in nanoseconds.
-        gains: ServoGains.
+        gains: ServoGains, which may change.
         reach: double<rad>.
         alignSpeed: double<rad/s>.
         alignKp: double<V*s/rad>.
@@ -34,7 +34,7 @@ class JointControl(Process):
         name: str,
         *,
         T: int,
-        gains: ServoGains,
+        gains: Parameter[ServoGains],
         reach: float,
         alignSpeed: float,
         alignKp: float,

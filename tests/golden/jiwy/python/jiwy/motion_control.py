@@ -5,7 +5,20 @@ from __future__ import annotations
 from .constants import stopButton
 from .exceptions import ModeFailed
 from .position_controller import PositionController
-from .runtime import Alternative, Discard, In, Input, Out, Process, Ready, Timeout, Variable, ms, s
+from .runtime import (
+    Alternative,
+    Discard,
+    In,
+    Input,
+    Out,
+    Parameter,
+    Process,
+    Ready,
+    Timeout,
+    Variable,
+    ms,
+    s,
+)
 from .types import ServoGains
 
 
@@ -16,7 +29,7 @@ class MotionControl(Process):
 
     Parameters:
         T: time, in nanoseconds.
-        gains: ServoGains.
+        gains: ServoGains, which may change.
         reach: double<rad>.
 
     Ports:
@@ -33,7 +46,7 @@ class MotionControl(Process):
         name: str,
         *,
         T: int,
-        gains: ServoGains,
+        gains: Parameter[ServoGains],
         reach: float,
         leftmax: In[float],
         rightmax: In[float],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .constants import supply
-from .runtime import In, Out, Submodel, finite, limit, read_all, s, write_all
+from .runtime import In, Out, Parameter, Submodel, finite, limit, read_all, s, write_all
 from .types import ServoGains
 
 
@@ -16,7 +16,7 @@ class PositionController(Submodel):
     Source: laws.csp:56
 
     Parameters:
-        gains: ServoGains.
+        gains: ServoGains, which may change.
         reach: double<rad>.
         rate: double<rad/s>.
         smoothing: time, in nanoseconds.
@@ -38,7 +38,7 @@ class PositionController(Submodel):
         self,
         name: str,
         *,
-        gains: ServoGains,
+        gains: Parameter[ServoGains],
         reach: float,
         rate: float,
         smoothing: int,
@@ -68,11 +68,6 @@ class PositionController(Submodel):
         self.dwell = dwell / s
         self.margin = margin
         self.sample = sample
-        self.pid_tauD = gains.tauD / s  # laws.csp:6
-        self.pid_beta = gains.beta  # laws.csp:6
-        self.pid_f = 1.0 / (sample + self.pid_tauD * self.pid_beta)  # laws.csp:14
-        self.pid_kp = gains.kp  # laws.csp:6
-        self.pid_tauI = gains.tauI / s  # laws.csp:6
         self.reset()
 
     def reset(self) -> None:
@@ -102,8 +97,11 @@ class PositionController(Submodel):
         rate = self.rate
         margin = self.margin
         sample = self.sample
-        pid_tauD = self.pid_tauD
-        pid_kp = self.pid_kp
+        pid_tauD = gains.value.tauD / s  # laws.csp:6
+        pid_beta = gains.value.beta  # laws.csp:6
+        pid_f = 1.0 / (sample + pid_tauD * pid_beta)  # laws.csp:14
+        pid_kp = gains.value.kp  # laws.csp:6
+        pid_tauI = gains.value.tauI / s  # laws.csp:6
         centre = (leftmax + rightmax) / 2.0  # laws.csp:71
         # laws.csp:72
         reference = finite(
@@ -117,18 +115,20 @@ class PositionController(Submodel):
         profile_angle = profile_from + sample * profile_velocity  # laws.csp:37
         pid_error = profile_angle - feedback  # laws.csp:75
         # laws.csp:15
-        pid_d = self.pid_f * (
-            pid_tauD * self.pid_beta * self.pid_ud
+        pid_d = pid_f * (
+            pid_tauD * pid_beta * self.pid_ud
             + pid_tauD * pid_kp * (pid_error - self.pid_e1)
             + sample * pid_kp * pid_error
         )
-        pid_i = pid_ui + sample * pid_d / self.pid_tauI  # laws.csp:16
+        pid_i = pid_ui + sample * pid_d / pid_tauI  # laws.csp:16
         pid_sum = pid_i + pid_d  # laws.csp:17
         pid_output = limit(pid_sum, -0.99, 0.99)  # laws.csp:19
-        assistance = gains.friction * limit(profile_velocity / 0.05, -1.0, 1.0)  # laws.csp:77
+        assistance = gains.value.friction * limit(profile_velocity / 0.05, -1.0, 1.0)  # laws.csp:77
         control = finite(limit(supply * pid_output + assistance, -supply, supply))  # laws.csp:78
         # laws.csp:80
-        standing = self.arrived + sample if abs(reference - feedback) < gains.tolerance else 0.0
+        standing = (
+            self.arrived + sample if abs(reference - feedback) < gains.value.tolerance else 0.0
+        )
         stop = standing >= self.dwell  # laws.csp:82
         profile_last_next = finite(profile_angle)  # laws.csp:39
         pid_e1_next = finite(pid_error)  # laws.csp:20

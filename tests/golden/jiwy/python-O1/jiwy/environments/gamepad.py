@@ -6,6 +6,7 @@ from collections.abc import Generator, Mapping
 from math import ceil, isfinite, modf, nan, sin
 
 from ..devices.gamepad import Gamepad as GamepadBody
+from ..parameters import Parameters
 from ..runtime import DevicePort, Driver, Signal, finite, ms
 
 
@@ -18,7 +19,8 @@ class Gamepad:
     step = 1 * ms
     on_miss = "count"
 
-    def __init__(self) -> None:
+    def __init__(self, parameters: Parameters | None = None) -> None:
+        self.parameters = parameters or Parameters()
         self.pad = GamepadBody(index=0)
         self.feedback_horizontal = Signal[float](0.0)
         self.feedback_vertical = Signal[float](0.0)

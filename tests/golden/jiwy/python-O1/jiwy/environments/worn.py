@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping
 from math import ceil, cos, isfinite, modf, nan, sin
 
+from ..parameters import Parameters
 from ..runtime import Driver, Signal, finite, ms
 
 
@@ -18,7 +19,8 @@ class Worn:
     step = 1 * ms
     on_miss = "timeout"
 
-    def __init__(self) -> None:
+    def __init__(self, parameters: Parameters | None = None) -> None:
+        self.parameters = parameters or Parameters()
         self.joystick_horizontal = Signal[float](0.0)
         self.joystick_vertical = Signal[float](0.0)
         self.joystick_buttons = Signal[int](0)

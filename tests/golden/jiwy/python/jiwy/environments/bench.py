@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from math import ceil, pi
 
 from ..constants import counts, drive, induction, ratio, rotorInertia, stiffness
+from ..parameters import Parameters
 from ..runtime import Driver, Signal, finite, limit, ms, power, quantize, s, sin
 
 pan_start = 0.3  # plant.csp:26
@@ -44,8 +45,9 @@ class Bench:
     step = 1 * ms
     on_miss = "timeout"
 
-    def __init__(self) -> None:
+    def __init__(self, parameters: Parameters | None = None) -> None:
         self.now = 0
+        self.parameters = parameters or Parameters()
         self.joystick_horizontal = Signal[float](0.0)
         self.joystick_vertical = Signal[float](0.0)
         self.joystick_buttons = Signal[int](0)

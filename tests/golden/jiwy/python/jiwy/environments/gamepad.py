@@ -7,6 +7,7 @@ from math import ceil, pi
 
 from ..constants import counts, drive, induction, ratio, rotorInertia, stiffness
 from ..devices.gamepad import Gamepad as GamepadBody
+from ..parameters import Parameters
 from ..runtime import DevicePort, Driver, Signal, finite, limit, ms, power, quantize, s, sin
 
 pan_start = 0.3  # plant.csp:26
@@ -44,8 +45,9 @@ class Gamepad:
     step = 1 * ms
     on_miss = "count"
 
-    def __init__(self) -> None:
+    def __init__(self, parameters: Parameters | None = None) -> None:
         self.now = 0
+        self.parameters = parameters or Parameters()
         self.pad = GamepadBody(index=0)
         self.feedback_horizontal = Signal[float](0.0)
         self.feedback_vertical = Signal[float](0.0)

@@ -1,0 +1,1 @@
+"""Checks of what environments connect to: devices, their buttons, FMUs."""
