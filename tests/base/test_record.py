@@ -360,10 +360,12 @@ def test_a_tuple_with_names_has_a_reason():
         "proofs/transitions/threads/frames.py",
     }
     traces_that_are_compared_as_tuples = {"Ending", "Execution"}
+    given_to_the_runtime_which_stands_alone = {"Change"}
     found = declared(r"^class (\w+)\(NamedTuple\)")
     assert {name for name, path in found if path not in states_and_edges_of_threads} == (
         results_that_users_unpack
         | traces_that_are_compared_as_tuples
+        | given_to_the_runtime_which_stands_alone
         | made_for_each_token
         | kept_as_plain_tuples_in_a_file
         | hashed_or_read_in_the_inner_loop_of_a_proof

@@ -17,7 +17,7 @@ from tests.conformance.sources import network_of, read
 ROOT = Path(__file__).parents[2]
 PLATFORM = "csp_platform"
 """What belongs to the process of the operating system, or to the machine: which run its handlers stop."""
-HOSTED = ("main_", "csp_linear", "csp_port_", "csp_signals", "csp_simulation", "csp_stream", "csp_watch")
+HOSTED = ("main_", "csp_linear", "csp_port_", "csp_signals", "csp_simulation", "csp_stream", "csp_tuning", "csp_watch")
 PROGRAMS = ("models/jiwy/jiwy.csp", "models/dining/dining.csp", "tests/c_kernel/devices/machine.csp")
 
 

@@ -333,9 +333,9 @@ class Network(Generic[A_co]):
     """Class name of the outermost process, which is also the first part of every path."""
     arguments: tuple[tuple[str, Value], ...]
     constants: tuple[NamedConstant, ...]
-    parameters: tuple[ProgramParameter, ...]
+    parameters: tuple[ProgramParameter, ...] = ()
     """In an order in which each follows from those before it."""
-    tunable: tuple[tuple[str, str], ...]
+    tunable: tuple[tuple[str, str], ...] = ()
     """The tunable parameters of the outermost process, each with the parameter of the program that it refers to."""
     enums: tuple[EnumType, ...]
     structs: tuple[StructType, ...]

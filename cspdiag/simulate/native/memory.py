@@ -96,7 +96,16 @@ def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) ->
 def _is_of_simulation(path: str) -> bool:
     """Whether a file belongs to the simulation, and not to the program."""
     stem = path.rpartition("/")[2]
-    host_files = ("main_", "csp_linear", "csp_port_", "csp_signals", "csp_simulation", "csp_stream", "csp_watch")
+    host_files = (
+        "main_",
+        "csp_linear",
+        "csp_port_",
+        "csp_signals",
+        "csp_simulation",
+        "csp_stream",
+        "csp_tuning",
+        "csp_watch",
+    )
     return stem.startswith(host_files) or stem.endswith("_environment.c")
 
 

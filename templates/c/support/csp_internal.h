@@ -22,9 +22,21 @@ void csp_measure_begin(csp_kernel *csp);
 void csp_measure_party(csp_kernel *csp, uint32_t number);
 void csp_measure_end(csp_kernel *csp);
 #else
-#define csp_measure_begin(csp) ((void)(csp))
-#define csp_measure_party(csp, number) ((void)(csp), (void)(number))
-#define csp_measure_end(csp) ((void)(csp))
+static inline void csp_measure_begin(csp_kernel *csp)
+{
+    (void)csp;
+}
+
+static inline void csp_measure_party(csp_kernel *csp, uint32_t number)
+{
+    (void)csp;
+    (void)number;
+}
+
+static inline void csp_measure_end(csp_kernel *csp)
+{
+    (void)csp;
+}
 #endif
 
 #if CSP_MEASURE && !CSP_TRACE
@@ -32,8 +44,16 @@ void csp_measure_end(csp_kernel *csp);
 void csp_measure_enter(csp_kernel *csp);
 void csp_measure_leave(csp_kernel *csp, bool done);
 #else
-#define csp_measure_enter(csp) ((void)(csp))
-#define csp_measure_leave(csp, done) ((void)(csp), (void)(done))
+static inline void csp_measure_enter(csp_kernel *csp)
+{
+    (void)csp;
+}
+
+static inline void csp_measure_leave(csp_kernel *csp, bool done)
+{
+    (void)csp;
+    (void)done;
+}
 #endif
 
 /* ---- Queues of parties in channels ---- */
