@@ -94,7 +94,7 @@ int main(void)
     csp_kernel *const csp = &network.kernel;
     csp_program program = network_program;
     program.environment = &ENVIRONMENT;
-    network_initialize(&network, &DRIVERS, csp_port_hooks());
+    network_initialize(&network, &DRIVERS, csp_port_hooks(), NULL);
     csp->program = &program;
     const csp_ending ending = csp_run(csp, DURATION);
     write_record("ended ", (uint64_t)csp->now, "", (uint64_t)ending);

@@ -45,10 +45,10 @@ static void unlock(void *context, uint32_t before)
 
 int main(void)
 {
-    const machine_hooks of_machine = {.sample = sample, .actuate = drive, .lock = lock, .unlock = unlock};
-    const counter_hooks of_counter = {.actuate = take, .lock = lock, .unlock = unlock};
-    machine_instance *const machine = machine_begin(&of_machine, sizeof of_machine, &of_machine, NULL);
-    counter_instance *const counter = counter_begin(&of_counter, sizeof of_counter, &of_counter, NULL);
+    const machine_hooks hooks_of_machine = {.sample = sample, .actuate = drive, .lock = lock, .unlock = unlock};
+    const counter_hooks hooks_of_counter = {.actuate = take, .lock = lock, .unlock = unlock};
+    machine_instance *const machine = machine_begin(&of_machine, sizeof of_machine, &hooks_of_machine, NULL);
+    counter_instance *const counter = counter_begin(&of_counter, sizeof of_counter, &hooks_of_counter, NULL);
     (void)counter_press(counter, 7);
     (void)machine_advance(machine, 10000000, 100U);
     (void)counter_advance(counter, 10000000, 100U);

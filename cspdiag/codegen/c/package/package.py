@@ -63,6 +63,8 @@ class CProject:
     doc: str
     ports: list[PortRow]
     environments: list[str]
+    parameters: bool
+    """Whether the program has parameters that may change while it runs."""
     files: list[str]
     program: list[str]
     kernel: list[str]
@@ -228,6 +230,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         doc=markdown(description),
         ports=[port_row(port) for port in network.external_ports],
         environments=[entry.name for entry in environments],
+        parameters=bool(network.parameters),
         files=rows,
         program=program,
         kernel=[f"{SUPPORT}/{path}" for path in kernel],
