@@ -49,6 +49,7 @@ class ProgramModel:
     rows: list[str]
     starts: list[str]
     grid: int
+    parameters: bool
 
 
 @record(kw_only=True)
@@ -61,6 +62,8 @@ class PlantModel:
     token: str
     rows: list[str]
     ticks: list[Sampling]
+    parameters: str
+    """The struct of the parameters of the program that the environment uses; empty if it uses none."""
 
 
 def identifier(network: CoreNetwork, plant: str = "") -> str:
@@ -99,6 +102,7 @@ def _program(package: Package, options: Options) -> dict[str, str]:
         rows=_table(writer.variables),
         starts=writer.starts,
         grid=grid,
+        parameters=bool(package.network.parameters),
     )
     periods = [port.sampling.period for port in interface.inputs if port.sampling is not None]
     step = min([*periods, *([grid] if grid else [])], default=1_000_000)
@@ -129,13 +133,15 @@ def _plant(package: Package, options: Options) -> dict[str, str]:
             "  help: use both in your simulator"
         )
     writer = EnvironmentFiles(environment, package.network, package.names, package.types)
-    if writer.uses_parameters:
-        raise TargetError(f"{environment.name} uses parameters of the program, which an FMU of it alone does not have")
-    kernel = [path for path in package.project.kernel if not path.endswith(OWNERS)]
+    # Parameters are parts of the program; without them a plant needs nothing but the kernel.
+    inside = sorted(package.compiled) if writer.uses_parameters else package.project.kernel
+    kernel = [path for path in inside if not path.endswith(OWNERS)]
     own = [f"{writer.name}.c", f"{SUPPORT}/csp_linear.c", *kernel]
     sources = _sources(package, [*own, *(path for path in package.by_hand if path.endswith(".c"))])
     token = _token([*sources.values(), options.fmi])
     variables = list(_plant_variables(package, environment, writer))
+    if writer.uses_parameters:
+        variables += parameter_variables(package, "parameters")
     samplings = [port.sampling for port in package.network.external_ports if port.sampling is not None]
     ticks = list(dict.fromkeys([Sampling(environment.step), *samplings]))
     model = PlantModel(
@@ -145,6 +151,7 @@ def _plant(package: Package, options: Options) -> dict[str, str]:
         token=token,
         rows=_table(variables),
         ticks=ticks,
+        parameters=f"{package.names.prefix}_parameters" if writer.uses_parameters else "",
     )
     generated = {"fmu_model.c": renderer("fmu", options.templates)("fmu_plant.c.j2", model=model)}
     about = Model(
@@ -205,6 +212,7 @@ class _Program:
         self._has_clocks = fmi != "2.0"
         self.event_outputs = [port for port in interface.outputs if port.medium == "direct" and port.sampling is None]
         self.variables = [variable for port in package.network.external_ports for variable in self._of(port)]
+        self.variables += parameter_variables(package, "values.parameters")
 
     def _of(self, port: ExternalPort) -> Iterator[Variable]:
         member = self._interface.members[port.key]
@@ -256,6 +264,23 @@ class _Program:
             if variable.causality == "input" and not isinstance(variable.type, Clock) and variable.start:
                 rows.append(f"self->{variable.place} = {types.literal(variable.start, variable.type)};")
         return rows
+
+
+def parameter_variables(package: Package, place: str) -> Iterator[Variable]:
+    """The parameters of the program; ``place`` is the struct with them in the model."""
+    for item in package.network.parameters:
+        if item.follows is not None:
+            continue
+        at = f"{place}.{package.types.field(item.name)}"
+        for name, member, kind, value in scalars(item.name, at, item.type, item.value, package.types):
+            yield Variable(
+                name=name,
+                causality="parameter",
+                type=kind,
+                place=member,
+                start=value,
+                description=item.doc or "",
+            )
 
 
 def _plant_variables(package: Package, environment: Environment, writer: EnvironmentFiles) -> Iterator[Variable]:
