@@ -74,7 +74,7 @@ def test_bash_completes_with_the_printed_script(cspdiag: Command, tmp_path: Path
     printed = cspdiag("completion", "bash")
     assert printed.code == 0
     command = tmp_path / "cspdiag"
-    command.write_text(f'#!/bin/sh\nPYTHONPATH={ROOT} exec {sys.executable} -m cspdiag "$@"\n')
+    command.write_text(f'#!/bin/sh\nPYTHONPATH="{ROOT}" exec "{sys.executable}" -m cspdiag "$@"\n')
     command.chmod(0o755)
     script = tmp_path / "try.bash"
     script.write_text(

@@ -151,7 +151,7 @@ def test_a_wrong_duration_lists_the_units(cspdiag: Command, program: Path) -> No
 
 def test_help_of_compile_lists_the_targets(cspdiag: Command) -> None:
     shown = " ".join(cspdiag("compile", "--help").out.split())
-    assert "python, c, promela, cspm" in shown
+    assert "python, c, fmu, promela, cspm" in shown
 
 
 def test_a_folder_behind_a_link_that_leads_nowhere_is_refused(cspdiag: Command, program: Path) -> None:

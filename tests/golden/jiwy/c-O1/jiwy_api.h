@@ -155,10 +155,9 @@ void jiwy_defaults(jiwy_parameters *parameters);
 /* The present parameters. */
 void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters);
 
-/* Changes the parameters, between two steps: everything from the next instant on has the new values.
- * False: nothing was done, because a value is not finite, or something that follows from them cannot
- * be computed.
- */
+/* Changes the parameters, between two steps: from the next instant on everything has the new values.
+ * False: nothing was done, because a value is not finite, or something that follows from them
+ * cannot be computed. */
 bool jiwy_set(jiwy_instance *self,
     const jiwy_parameters *parameters);
 
