@@ -49,5 +49,5 @@ def network_of(source: SourceFile, real: Real = "double") -> Network:
 
 
 def environments(network: Network) -> list[str | None]:
-    """The names of its environments, or None to run without one."""
-    return [environment.name for environment in network.environments] or [None]
+    """The names of its environments without devices, which have no specification; or None to run without one."""
+    return [environment.name for environment in network.environments if not environment.drivers] or [None]

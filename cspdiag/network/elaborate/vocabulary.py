@@ -90,7 +90,7 @@ _ATOMS = ATOMS | {"Span", "Span | None"}
 
 
 def _names_inside(item: object) -> tuple[str, ...]:
-    """The fields of a record to search, the last one first, at least one of a record that is looked for; none for other
+    """The fields of a record to search, the last one first, at least one of a record that is sought; none for other
     values.
     """
     if isinstance(item, Span) or not is_record(item):
@@ -98,5 +98,5 @@ def _names_inside(item: object) -> tuple[str, ...]:
     annotations = annotations_of(type(item))
     names = field_names(item)
     inside = tuple(name for name in reversed(names) if annotations[name] not in _ATOMS)
-    is_looked_for = isinstance(item, LiteralValue | EnumType | StructType)
-    return inside or (names[:1] if is_looked_for else ())
+    is_sought = isinstance(item, LiteralValue | EnumType | StructType)
+    return inside or (names[:1] if is_sought else ())
