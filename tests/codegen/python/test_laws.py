@@ -16,6 +16,7 @@ from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import Instantiation, SubmodelClass
 from cspdiag.runtime import Constant, Discard
 from cspdiag.semantics.equations.laws import Law
+from cspdiag.semantics.values import Cell
 from cspdiag.simulate.run.package import LoadedPackage
 from tests.codegen.packages import MODELS, OWN, network, package
 
@@ -83,7 +84,12 @@ def instance_of(name: str, loaded: LoadedPackage, class_: SubmodelClass, instanc
     names, package_names = signal_names(class_), PackageNames(network(name))
     made = getattr(loaded.module(package_names.modules[class_.name]), package_names.classes[class_.name])
     types = {parameter.name: parameter.type for parameter in class_.parameters}
-    arguments = {names[key]: in_python(value, types[key], loaded) for key, value in instance.arguments}
+    tunable = {parameter.name for parameter in class_.parameters if parameter.tunable}
+    arguments = {
+        names[key]: Cell(made_value) if key in tunable else made_value
+        for key, value in instance.arguments
+        for made_value in (in_python(value, types[key], loaded),)
+    }
     ports = {names[p.name]: Constant(None) if p.direction == "in" else Discard() for p in class_.ports}
     return made(instance.path, **arguments, **ports)
 
@@ -94,7 +100,8 @@ def test_submodels_calculate_like_the_interpreter(name: str, path: str, loaded: 
     class_ = network(name).class_named(instance.class_name)
     assert isinstance(class_, SubmodelClass)
     generated = instance_of(name, loaded, class_, instance)
-    reference = Law(class_, dict(instance.arguments))
+    tunable = {parameter.name for parameter in class_.parameters if parameter.tunable}
+    reference = Law(class_, {key: Cell(value) if key in tunable else value for key, value in instance.arguments})
     outputs = [port.name for port in class_.ports if port.direction == "out"]
     source = random.Random(path)
     for _ in range(SAMPLES):

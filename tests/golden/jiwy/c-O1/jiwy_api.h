@@ -155,9 +155,10 @@ void jiwy_defaults(jiwy_parameters *parameters);
 /* The present parameters. */
 void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters);
 
-/* Changes the parameters, between two steps: from the next instant on everything has the new values.
+/* Changes the parameters, between two steps: from the next instant on, everything uses them.
  * False: nothing was done, because a value is not finite, or something that follows from them
- * cannot be computed. */
+ * cannot be computed.
+ */
 bool jiwy_set(jiwy_instance *self,
     const jiwy_parameters *parameters);
 
