@@ -133,7 +133,12 @@ def build_program(
         path = Build(
             files,
             _chosen_sources(files, real_time, board),
-            (*(() if board else options), "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ())),
+            (
+                *(() if board else options),
+                "-DCSP_TRACE=1",
+                "-DCSP_USES_TEXTS=1",
+                *(("-DCSP_MEASURE=1",) if measured else ()),
+            ),
             toolchain=None if board is None else board.toolchain,
         ).executable()
     return NativeProgram(network, chosen, path, real_time, flattened=level > 0, board=board)

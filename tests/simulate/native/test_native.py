@@ -178,7 +178,7 @@ def test_devices_are_left_out_of_a_package_and_refused_in_a_run() -> None:
     network = network_of(driven)
     files = pipeline.generate(network, read_source, "c")
     assert "main_simulation.c" not in files
-    with pytest.raises(TargetError, match="the device `Lamp` is a Python class"):
+    with pytest.raises(TargetError, match="the driver `Lamp` is a Python class"):
         native.simulate(network, read_source)
 
 
