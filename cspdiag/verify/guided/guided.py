@@ -103,12 +103,13 @@ class Guided:
         first = self._run(script, goal, Decisions(), strict=False)
         others = bool(first.happened)
         yield first
-        for strict in (False,) if goal.further else (True, False):
+        kinds = ((False, False),) if goal.further else ((True, False), (True, True), (False, False))
+        for strict, late in kinds:
             decisions = Decisions()
             for _ in range(MOST_OF_ONE_KIND):
                 if others and not strict:
                     return
-                run = self._run(script, goal, decisions, strict=strict)
+                run = self._run(script, goal, decisions, strict=strict, late=late)
                 others = others or bool(run.happened)
                 yield run
                 if self.exhausted or not decisions.advance(run.cut):
@@ -132,7 +133,14 @@ class Guided:
         return next((run for run in runs if run.happened), None)
 
     def _run(
-        self, script: Sequence[Passed], goal: Goal, decisions: Decisions, *, strict: bool, free: bool = False
+        self,
+        script: Sequence[Passed],
+        goal: Goal,
+        decisions: Decisions,
+        *,
+        strict: bool,
+        late: bool = False,
+        free: bool = False,
     ) -> GuidedRun:
         self._limits.check()
         decisions.begin()
@@ -141,7 +149,7 @@ class Guided:
         network = self._built(lines)
         wanted = Script(script)
         world = World(network.ports, lines, wanted, self._defaults, self._on_miss)
-        run = Run(network, wanted, world, goal, decisions, strict=strict, free=free, limit=limit).run()
+        run = Run(network, wanted, world, goal, decisions, strict=strict, free=free, late=late, limit=limit).run()
         self._left -= run.actions
         self._runs_left -= 1
         return run

@@ -45,7 +45,9 @@ class _Enough(RunEnded):
 
 
 class Run(Policy):
-    """One run. ``strict``: no process does anything that is not in the script; ``free``: there is no script."""
+    """One run. ``strict``: no process does anything that is not in the script; ``free``: there is no script; ``late``:
+    what everything waits for may arrive later than at once.
+    """
 
     def __init__(
         self,
@@ -57,6 +59,7 @@ class Run(Policy):
         *,
         strict: bool,
         free: bool,
+        late: bool,
         limit: int,
     ) -> None:
         self._script = script
@@ -65,6 +68,7 @@ class Run(Policy):
         self._decisions = decisions
         self._strict = strict
         self._free = free
+        self._late = late
         self._limit = limit
         self._network = network
         self._outputs = goal.outside - world.inputs
@@ -236,8 +240,17 @@ class Run(Policy):
         if number is None or not self._world.can_offer(self._script.entries[number]):
             return
         later = self._run.has_ready or bool(self._ready) or self._world.time_can_pass
-        if not later or not self._decisions.choose(2):
+        if not later:
+            self._offer_alone(self._script.entries[number])
+        elif not self._decisions.choose(2):
             self._world.offer(self._script.entries[number])
+
+    def _offer_alone(self, entry: Passed) -> None:
+        """The environment offers what everything waits for. Which samples come next depends on when that is."""
+        if self._late:
+            instants = self._world.ticks
+            self._world.wait_until(instants[self._decisions.choose(len(instants))])
+        self._world.offer(entry)
 
     def arrives(self, task: Party) -> None:
         """See ``Policy.arrives``: what the task needs from outside may arrive just before."""
@@ -258,7 +271,7 @@ class Run(Policy):
         entry = next(filter(self._world.can_offer, self._script.undone()), None)
         if entry is None:
             raise AstrayError(self._unreached())
-        self._world.offer(entry)
+        self._offer_alone(entry)
 
     def computes(self) -> None:
         """See ``Policy.computes``."""

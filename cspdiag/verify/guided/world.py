@@ -13,6 +13,9 @@ from cspdiag.runtime.outside.sampled_inputs import SampledInput
 from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.guided.script import Passed, Script
 
+MOST_TICKS = 40
+"""The number of instants at which one thing may arrive."""
+
 
 class _Line:
     """A port's side of the environment."""
@@ -91,6 +94,19 @@ class World:
         return found if found <= END_OF_TIME else None
 
     @property
+    def ticks(self) -> Sequence[int]:
+        """The present instant, and those up to one round of all periods later at which any port is sampled."""
+        now = self._run.now
+        last = min(now + lcm(*(port.ticks.period for port in self._sampled)), END_OF_TIME)
+        found = {now}
+        for port in self._sampled:
+            instant = port.ticks.after(now)
+            while instant < last and len(found) < MOST_TICKS:
+                found.add(instant)
+                instant = port.ticks.after(instant)
+        return sorted(found)
+
+    @property
     def situation(self) -> tuple[int, ...]:
         """The remaining time of each delay, and the time since all ports were sampled at once: all future instants
         depend on these.
@@ -110,6 +126,10 @@ class World:
                 self._lines[port.name.partition(".")[2]].value = self._present[port.name]
                 port.sample()
         self._run.timers_fall_due()
+
+    def wait_until(self, instant: int) -> None:
+        """Advances time where no process waits for anything but what is offered at this instant."""
+        self._run.now = instant
 
     def pass_until(self, until: int) -> None:
         """Advances time while a process computes."""
