@@ -70,7 +70,7 @@ def _finite(kind: Type, value: Any) -> Any:
 
 
 def with_part(whole: Any, path: Sequence[int], part: Any) -> Any:
-    """A value with another part at a path of positions."""
+    """A value with another part at a path of positions. «Parameters»"""
     if not path:
         return part
     first, *rest = path

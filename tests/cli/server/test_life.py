@@ -91,7 +91,8 @@ def test_commands_at_the_same_time_start_one_server_and_are_all_answered(alone: 
         answers = [Answer(0, *process.communicate(timeout=60)) for process in started]
         assert answers == [FINE] * 8
         assert alone.status().count("\n") == 1
-        assert children(alone.server()) == [], "no process is left behind"
+        # No process is left behind; a child may end a moment after its answer.
+        wait_until(lambda: children(alone.server()) == [])
 
 
 def test_two_first_commands_start_one_server(alone: Place) -> None:
