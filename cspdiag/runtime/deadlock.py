@@ -59,6 +59,9 @@ class WaitingProcess:
         return f"{name} waits {self.waits}" + ("" if place is None else f" ({place})")
 
 
+MOST_SHOWN = 24
+
+
 @dataclass(frozen=True)
 class DeadlockReport:
     """All processes that wait, and those among them that wait for each other, each for the next and the last for the
@@ -83,7 +86,7 @@ class DeadlockReport:
 
     @property
     def text(self) -> str:
-        """The report for people, one line per process or parallel part."""
+        """The report for people: a line for each process or parallel part, of many only the first and last."""
         return "\n".join([self._stuck, *self._continuing])
 
     @property
@@ -96,17 +99,25 @@ class DeadlockReport:
         if self.cycle:
             lines = [f"{kind} at {shown(self.time)}: {_counted(self.cycle)} wait for each other"]
             following = (*self.cycle[1:], self.cycle[0])
-            lines += [
+            lines += _shortened(
                 f"  {process}, for {_partner(partner, process)}{_ended_readers(process, ' and for')}"
                 for process, partner in zip(self.cycle, following, strict=True)
-            ]
-            besides = [f"  {process}{_ended_readers(process, ', for')}" for process in self.besides]
+            )
+            besides = _shortened(f"  {process}{_ended_readers(process, ', for')}" for process in self.besides)
             return "\n".join(lines + ["besides:"] * bool(besides) + besides)
         which = "these processes wait" if self.others else "a process waits"
         lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can happen any more"]
-        for process in self.waiting:
-            lines.append(f"  {process}{_ended_readers(process, ', for') or _missing_partner(process)}")
+        lines += _shortened(
+            f"  {process}{_ended_readers(process, ', for') or _missing_partner(process)}" for process in self.waiting
+        )
         return "\n".join(lines)
+
+
+def _shortened(lines: Iterable[str]) -> list[str]:
+    """The first and last of many lines."""
+    found = list(lines)
+    left_out = len(found) - MOST_SHOWN
+    return found if left_out <= 0 else [*found[:-2][: MOST_SHOWN - 2], f"  ... {left_out} more ...", *found[-2:]]
 
 
 def _missing_partner(process: WaitingProcess) -> str:

@@ -8,6 +8,7 @@ from cspdiag.proofs.counterexamples.counterexample import BlockedProcess, Counte
 from cspdiag.proofs.counterexamples.table import event_text
 
 MOST_OTHERS = 8
+MOST_OF_A_RING = 24
 MOST_STEPS = 5
 """At most this number of steps of a counterexample is shown in a sentence."""
 
@@ -37,8 +38,12 @@ def waiting_lines(found: Counterexample, *, supposed: bool = False) -> Iterator[
     """
     by_name = {entry.name: entry for entry in found.waiting}
     following = (*found.ring[1:], *found.ring[:1])
-    for name, partner in zip(found.ring, following, strict=True):
-        yield f"{_explained(by_name[name])}, for `{partner}`"
+    left_out = range(MOST_OF_A_RING - 2, len(found.ring) - 2)
+    for number, (name, partner) in enumerate(zip(found.ring, following, strict=True)):
+        if number not in left_out:
+            yield f"{_explained(by_name[name])}, for `{partner}`"
+        elif number == left_out.start:
+            yield f"... {len(left_out)} more ..."
     others = [entry for entry in found.waiting if entry.name not in found.ring]
     for entry in others[:MOST_OTHERS]:
         partners = listed(entry.partners[:MOST_OTHERS])

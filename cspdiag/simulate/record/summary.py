@@ -78,11 +78,18 @@ def _ending(run: RunData) -> str:
 
 _SHOWN = 8
 """If a group has more processes than this, they are counted instead of listed."""
+_MOST_GROUPS = 24
+"""If there are more groups than this, all their processes are counted."""
 
 
 def _process_lines(run: RunData) -> Iterator[str]:
     ends = {activity.path: activity.end for activity in run.activities}
-    for group in mode_groups(run.network):
+    groups = mode_groups(run.network)
+    if len(groups) > _MOST_GROUPS:
+        begun = [ends[path] for group in groups for path in group.modes if path in ends]
+        yield f"  {sum(end is not None for end in begun)} of {len(begun)} processes ended"
+        return
+    for group in groups:
         run_ = [(name, ends[path]) for path, name in group.modes.items() if path in ends]
         if 0 < len(run_) <= _SHOWN:
             words = (f"{name} running" if end is None else f"{name} until {shown(end)}" for name, end in run_)

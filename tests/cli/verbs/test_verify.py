@@ -626,3 +626,23 @@ def test_one_state_is_counted_as_one(cspdiag: Command, tmp_path: Path, method: s
     assert reason in reported
     assert "every trace in the only reachable state is one of the specification" in reported
     assert not re.search(r"\b1 \w*\s?states\b", reported)
+
+
+def test_of_many_processes_that_wait_the_first_and_last_are_shown(cspdiag: Command, tmp_path: Path) -> None:
+    path = tmp_path / "ring.csp"
+    path.write_text(
+        "process Node {\n  in left : int\n  out right : int\n  communication {\n    var v : int = 0\n  }\n"
+        "  composition {\n    mu (left ? v ; right ! v)\n  }\n}\n"
+        "process Top {\n  communication {\n    n[40] : Node\n"
+        "    for i < 40 { n[i].right -> n[(i + 1) % 40].left }\n  }\n  composition {\n    par i < 40 : n[i]\n  }\n}\n"
+        "assert Top deadlock free\n"
+    )
+    ran = cspdiag("run", path).err
+    assert "40 processes wait for each other" in ran
+    assert "... 16 more ..." in ran
+    assert ran.count(" waits to read ") == 24
+    assert "Top.n[1] waits to read Top.n[0].right (ring.csp:8), for Top.n[0]" in ran
+    assert "0 of 40 processes ended" in ran
+    verified = cspdiag("verify", path).err
+    assert "... 16 more ..." in verified
+    assert f"`n[1]` waits to read n[0].right ({path}:8), for `n[0]`" in verified
