@@ -320,28 +320,31 @@ class LoadedProgram:
         program = self._program()
         live = tune if isinstance(tune, Tuning) else None
         changes = [] if tune is None or live is not None else changes_of(program, tune)
-        if live is not None and target == "c":
-            raise ArgumentError("a `Tuning` changes a program that runs in Python: omit `target`, or give the changes")
+        on_start = None if live is None else partial(live.attach, program)
         with file_errors():
             if target == "c":
                 return native.simulate(
                     network, read_source, level=level, environment=environment, until=limit, real_time=real_time,
-                    changes=changes,
+                    changes=changes, live=live is not None, on_start=on_start,
                 )  # fmt: skip
 
             def in_python() -> Run:
                 files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
                 return execute.simulate(
                     network, files, environment=environment, until=limit, real_time=real_time, changes=changes,
-                    on_start=None if live is None else partial(live.attach, program),
+                    on_start=on_start,
                 )  # fmt: skip
 
-            if target == "python" or live is not None:
+            if target == "python":
                 return in_python()
+
+            def natively(found: native.NativeProgram) -> Run:
+                return found.run(until=limit, changes=changes, live=live is not None, on_start=on_start)
+
             native_program = native_if_possible(
                 network, read_source, level=level, environment=environment, real_time=real_time
             )
-            return run_either(native_program, lambda found: found.run(until=limit, changes=changes), in_python)
+            return run_either(native_program, natively, in_python)
 
     def _run_on_reference(
         self,

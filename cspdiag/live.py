@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
 
 from cspdiag.arguments import Setting, settings_of
@@ -10,14 +11,22 @@ from cspdiag.tuning import parse_change
 
 if TYPE_CHECKING:
     from cspdiag.model.program import Program
-    from cspdiag.runtime.kernel.parameters import ProgramParameters
+    from cspdiag.runtime.kernel.parameters import Change
+
+
+class ChangedParameters(Protocol):
+    """The parameters of a running program."""
+
+    def plan(self, changes: Iterable[Change]) -> None:
+        """Make these changes, each at its time, from any thread."""
+        ...
 
 
 class RunningProgram(Protocol):
     """A program that runs, in another thread."""
 
     @property
-    def parameters(self) -> ProgramParameters:
+    def parameters(self) -> ChangedParameters:
         """Its parameters."""
         ...
 

@@ -45,12 +45,15 @@ def test_changes_by_their_times(program: cspdiag.LoadedProgram, how: dict[str, o
     ]
 
 
-def test_a_thread_changes_a_program_in_another(program: cspdiag.LoadedProgram) -> None:
+@pytest.mark.parametrize("target", ["python", "c"])
+def test_a_thread_changes_a_program_in_another(program: cspdiag.LoadedProgram, target: str) -> None:
     tuning = cspdiag.Tuning()
     with pytest.raises(cspdiag.SettingError, match="nothing runs yet"):
         tuning.set("k", 3)
     runs: list[cspdiag.Run] = []
-    thread = threading.Thread(target=lambda: runs.append(program.run(until=0.6, real_time=True, tune=tuning)))
+    thread = threading.Thread(
+        target=lambda: runs.append(program.run(until=0.6, real_time=True, target=target, tune=tuning))
+    )
     thread.start()
     while thread.is_alive():
         try:
@@ -69,6 +72,5 @@ def test_wrong_arguments(program: cspdiag.LoadedProgram) -> None:
         program.run(until=0.1, tune=[])  # type: ignore[arg-type]
     with pytest.raises(cspdiag.SettingError, match="a run cannot last -1 s"):
         program.run(until=0.1, tune={"-1 s": {"k": 1}})
-    for how in ({"target": "c"}, {"level": "reference"}):
-        with pytest.raises(cspdiag.ArgumentError, match="`Tuning`"):
-            program.run(until=0.1, tune=cspdiag.Tuning(), **how)  # type: ignore[arg-type]
+    with pytest.raises(cspdiag.ArgumentError, match="`Tuning`"):
+        program.run(until=0.1, tune=cspdiag.Tuning(), level="reference")

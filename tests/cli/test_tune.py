@@ -94,17 +94,24 @@ def test_a_program_without_parameters(cspdiag: Command, tmp_path: Path) -> None:
     assert "write `parameter` instead of `const`" in done.err
 
 
-def test_in_real_time_lines_take_effect_as_they_come(program: Path) -> None:
+@pytest.mark.parametrize("options", [[], ["--target", "c"]], ids=" ".join)
+def test_in_real_time_lines_take_effect_as_they_come(program: Path, options: list[str]) -> None:
     trace = program.parent / "trace.jsonl"
     command = [sys.executable, "-m", "cspdiag", "run", str(program), "--for", "1s", "--real-time", "--quiet"]
-    with subprocess.Popen([*command, "--tune", "--trace", str(trace)], stdin=subprocess.PIPE, text=True) as running:
+    command += ["--tune", "--trace", str(trace), *options]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stderr=pipe, text=True) as running:
         assert running.stdin is not None
-        running.stdin.write("k = 4\nat 400 ms k = 5\n")
+        assert running.stderr is not None
+        running.stdin.write("at 400 ms k = 5\nk = fast\nk = 4\n")
         running.stdin.flush()
         running.stdin.close()
+        said = running.stderr.read()
         assert running.wait(20) == 0
+    assert "--tune, line 2: k: `fast` is not of type double" in said
     lines = [json.loads(line) for line in trace.read_text(encoding="utf-8").splitlines()]
     values = [line["value"] for line in lines if line["channel"] == "Main.y"]
+    assert set(values) <= {4, 16, 20}
     assert values == sorted(values)
     assert values[-1] == 20
     assert next(line["t"] for line in lines if line["value"] == 20) >= 400_000_000

@@ -19,12 +19,13 @@ from cspdiag.cli.support.terminal import say, show_diagnostics
 if TYPE_CHECKING:
     from cspdiag.cli.support.runs.standstill import ObservedProgram
     from cspdiag.cli.support.runs.tuned import Tuning
+    from cspdiag.live import RunningProgram
     from cspdiag.model.types import Type
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Built
     from cspdiag.runtime.kernel.parameters import Change
     from cspdiag.runtime.network import Network
-    from cspdiag.simulate.native.run import NativeProgram, Observed
+    from cspdiag.simulate.native.run import NativeProgram, NativeRun, Observed
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.record.streamed.recording import Recording
@@ -50,7 +51,19 @@ class Given:
     @property
     def changes(self) -> Sequence[Change]:
         """The changes of parameters that are known before the run."""
-        return () if self.tuning is None else self.tuning.changes
+        if self.tuning is not None:
+            return self.tuning.changes
+        return () if self.inputs is None else self.inputs.parameter_changes
+
+    @property
+    def live(self) -> bool:
+        """Whether more changes may come while it runs."""
+        return self.tuning is not None and self.tuning.live
+
+    def attach(self, running: RunningProgram) -> None:
+        """The program runs."""
+        if self.tuning is not None:
+            self.tuning.attach(running)
 
 
 _ENDINGS = {
@@ -254,7 +267,7 @@ def _recorded(arguments: Namespace, built: Built, until: int | None) -> tuple[Ru
         tuning = tuning_of(arguments, program, network)
         inputs = given_inputs(arguments, network)
         until = limited(until, inputs)
-        recording = opened_recording(arguments, network)
+        recording = opened_recording(arguments, network, tuned=_is_tuned(tuning, inputs))
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
     try:
@@ -265,6 +278,11 @@ def _recorded(arguments: Namespace, built: Built, until: int | None) -> tuple[Ru
         raise
 
 
+def _is_tuned(tuning: Tuning | None, inputs: RecordedInputs | None) -> bool:
+    """Whether parameters may change during the run."""
+    return tuning is not None or (inputs is not None and bool(inputs.parameter_changes))
+
+
 def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, given: Given) -> Run:
     from cspdiag.cli.support.runs.endless import EndlessRun
     from cspdiag.cli.support.runs.progress import Progress
@@ -273,12 +291,15 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None, giv
     from cspdiag.simulate.native.build import CompilerError
     from cspdiag.simulate.record.modes import mode_groups
     from cspdiag.simulate.record.recorder import Recorder
+    from cspdiag.simulate.record.streamed.parameters import record_parameters
     from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
 
     outputs = (arguments.record, arguments.serve, arguments.trace, arguments.plot)
     recorder = Recorder(
         communications=any(path is not None for path in outputs), ports=_recorded_ports(arguments, network)
     )
+    if given.recording is not None:
+        record_parameters(given.recording, network, recorder)
     endless = EndlessRun(network) if until is None and not arguments.quiet else None
     if arguments.level == "reference":
         with endless or nullcontext():
@@ -361,8 +382,7 @@ def _simulate_in_python(
         )
 
     def started(running: Network) -> None:
-        if given.tuning is not None:
-            given.tuning.attach(running)
+        given.attach(running)
         on_start(ProgramInThread(running))
 
     return simulate(
@@ -392,6 +412,10 @@ def _simulate_native(
     from cspdiag.simulate.native.boards import BOARDS
     from cspdiag.simulate.native.run import simulate
 
+    def started(running: NativeRun) -> None:
+        given.attach(running)
+        on_start(running)
+
     return simulate(
         network,
         read_source,
@@ -400,13 +424,14 @@ def _simulate_native(
         until=until,
         real_time=arguments.real_time,
         recorder=recorder,
-        on_start=on_start,
+        on_start=started,
         observed=_observed(arguments),
         measured=_is_measured(arguments),
         board=None if arguments.on is None else BOARDS[arguments.on],
         recording=given.recording,
         inputs=given.inputs,
         changes=given.changes,
+        live=given.live,
     )
 
 
@@ -421,9 +446,7 @@ def _simulate_on_either(
     from cspdiag.simulate.native.choice import NotNative, native_if_possible, run_either
 
     program: NativeProgram | NotNative = NotNative(reason="a plot shows the variables inside processes")
-    if given.tuning is not None and given.tuning.live:
-        program = NotNative(reason="parameters are changed while it runs")
-    elif arguments.plot is None:
+    if arguments.plot is None:
         program = native_if_possible(
             network,
             read_source,
@@ -433,16 +456,22 @@ def _simulate_on_either(
             measured=_is_measured(arguments),
             inputs=given.inputs,
         )
+
+    def started(running: NativeRun) -> None:
+        given.attach(running)
+        on_start(running)
+
     return run_either(
         program,
         lambda program: program.run(
             until=until,
             recorder=recorder,
-            on_start=on_start,
+            on_start=started,
             observed=_observed(arguments),
             recording=given.recording,
             inputs=given.inputs,
             changes=given.changes,
+            live=given.live,
         ),
         lambda: _simulate_in_python(arguments, network, until, recorder, given, on_start),
     )

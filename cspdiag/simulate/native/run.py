@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from io import BufferedIOBase
 from pathlib import Path
@@ -29,7 +29,7 @@ from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import PassedRows
 from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader
 from cspdiag.simulate.native.supervisor import Supervisor
-from cspdiag.simulate.native.tuning import ChangeWriter
+from cspdiag.simulate.native.tuning import GivenChanges, LiveChanges, given_changes
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import chosen_environment
@@ -51,6 +51,13 @@ class NativeRun:
 
     reader: StreamReader
     monitor: ProgramMonitor
+    changes: LiveChanges | None = None
+
+    @property
+    def parameters(self) -> LiveChanges:
+        """Its parameters: changes of them may be planned, if it was started for that."""
+        assert self.changes is not None
+        return self.changes
 
     @property
     def now(self) -> int:
@@ -86,6 +93,7 @@ def simulate(
     recording: Recording | None = None,
     inputs: RecordedInputs | None = None,
     changes: Iterable[Change] = (),
+    live: bool = False,
 ) -> Run:
     """Generate, build and run a program; see ``build_program`` and ``NativeProgram.run``."""
     program = build_program(
@@ -94,7 +102,7 @@ def simulate(
     )  # fmt: skip
     return program.run(
         until=until, recorder=recorder, on_start=on_start, observed=observed, recording=recording, inputs=inputs,
-        changes=changes,
+        changes=changes, live=live,
     )  # fmt: skip
 
 
@@ -168,12 +176,14 @@ class NativeProgram:
         recording: Recording | None = None,
         inputs: RecordedInputs | None = None,
         changes: Iterable[Change] = (),
+        live: bool = False,
     ) -> Run:
         """Run it; ``until`` is a time limit in nanoseconds. ``recording`` is given the values of the external ports
         while the run continues; the caller finishes it. With ``observed="signals"`` they are not kept besides.
-        ``changes`` are those of parameters of the program.
+        ``changes`` are those of parameters of the program; ``live``: more are planned while it runs.
 
-        ``on_start`` is passed an object whose ``now`` is the present instant. Ctrl-C and what the program raises end
+        ``on_start`` is passed an object whose ``now`` is the present instant, and whose ``parameters`` take changes
+        from any thread if the run is ``live``. Ctrl-C and what the program raises end
         the run with an outcome, not with an exception. Raises CompilerError for a program that fails otherwise.
         """
         recorder = recorder if recorder is not None else Recorder()
@@ -186,8 +196,8 @@ class NativeProgram:
         passed: PassedRows | RecordedRows | None = kept
         if kept is not None and recording is not None:
             passed = RecordedRows(self.network, recording, None if observed == "signals" else kept)
-        with _variables(inputs) as variables, _tuned(self, changes) as tuning:
-            outcome = _run(self, [*words, *tuning.words], variables, recorder, passed, on_start, tuning)
+        with _variables(inputs) as variables, given_changes(self.network, changes, live=live) as given:
+            outcome = _run(self, [*words, *given.words], variables, recorder, passed, on_start, given)
         if isinstance(passed, RecordedRows):
             passed.hand_over()
         return Run(self.network, self.environment, outcome, recorder, passed)
@@ -208,7 +218,11 @@ def _chosen_sources(files: Iterable[str], real_time: bool, board: Board | None =
 
 @contextmanager
 def _started(
-    program: NativeProgram, words: list[str], variables: Mapping[str, str], monitor: ProgramMonitor
+    program: NativeProgram,
+    words: list[str],
+    variables: Mapping[str, str],
+    monitor: ProgramMonitor,
+    given: GivenChanges,
 ) -> Iterator[tuple[subprocess.Popen[bytes], BufferedIOBase]]:
     """The program as a process, and what it writes. It has a session of its own: Ctrl-C reaches this process, which
     forwards it once, so outputs are released and everything is reported.
@@ -229,10 +243,11 @@ def _started(
                 # Against the clock the program itself reports how late it met the instants.
                 stderr=None if program.real_time else subprocess.PIPE,
                 start_new_session=True,
-                pass_fds=[writing if on_board else monitor.descriptor],
+                pass_fds=[writing if on_board else monitor.descriptor, *given.descriptors],
             )
         finally:
             os.close(writing)
+            given.program_started()
         with running:
             yield running, stream
 
@@ -249,28 +264,6 @@ def _variables(inputs: RecordedInputs | None) -> Iterator[Mapping[str, str]]:
         yield {VARIABLE: file.name}
 
 
-@record
-class _Tuning:
-    """The options for changes of parameters, and the changes by their numbers."""
-
-    words: tuple[str, ...]
-    changes: Sequence[Change]
-
-
-@contextmanager
-def _tuned(program: NativeProgram, changes: Iterable[Change]) -> Iterator[_Tuning]:
-    """The changes of parameters, in a file as long as the program runs."""
-    planned = sorted(changes, key=lambda change: change.time)
-    if not planned:
-        yield _Tuning((), ())
-        return
-    writer = ChangeWriter(program.network)
-    with NamedTemporaryFile(prefix="cspdiag-", suffix=".changes") as file:
-        file.writelines(writer.records(planned))
-        file.flush()
-        yield _Tuning(("--tune", file.name), planned)
-
-
 def _run(
     program: NativeProgram,
     words: list[str],
@@ -278,20 +271,20 @@ def _run(
     recorder: Recorder,
     passed: PassedRows | RecordedRows | None,
     on_start: Callable[[NativeRun], None] | None,
-    tuning: _Tuning,
+    given: GivenChanges,
 ) -> Outcome:
     with (
         stopping,
         ProgramMonitor() as monitor,
-        _started(program, words, variables, monitor) as (running, stream),
+        _started(program, words, variables, monitor, given) as (running, stream),
         Supervisor(running) as supervisor,
     ):
         monitor.started()
         _enlarge(stream)
         reader = StreamReader(
-            stream, program.network, recorder, passed, changes=tuning.changes, flattened=program.flattened
+            stream, program.network, recorder, passed, changes=given.changes, flattened=program.flattened
         )
-        run = NativeRun(reader, monitor)
+        run = NativeRun(reader, monitor, given.live)
         if on_start is not None:
             on_start(run)
         try:

@@ -1,11 +1,16 @@
-"""Changes of parameters for a native program: the records of ``csp_tuning.h``."""
+"""Changes of parameters for a native program: the records of ``csp_tuning.h``, in a file or in a pipe."""
 
 from __future__ import annotations
 
+import os
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from tempfile import NamedTemporaryFile
+from threading import Lock
 from typing import TYPE_CHECKING
 
+from cspdiag.base.record import record
 from cspdiag.model.types import ArrayType, StructType, Type
 from cspdiag.simulate.native.values import encoded, offset_of
 
@@ -14,6 +19,67 @@ if TYPE_CHECKING:
     from cspdiag.runtime.kernel.parameters import Change
 
 _HEAD = struct.Struct("=qIIII")
+
+
+@record
+class GivenChanges:
+    """How a program is given changes: ``words`` are its options, ``descriptors`` the files that it has open besides,
+    and ``changes`` those that were given until now, by their numbers. ``live`` takes more of them while it runs.
+    """
+
+    words: tuple[str, ...]
+    changes: Sequence[Change]
+    descriptors: tuple[int, ...] = ()
+    live: LiveChanges | None = None
+
+    def program_started(self) -> None:
+        """The program has what it needs: if it ends, nothing more is written to it."""
+        for descriptor in self.descriptors:
+            os.close(descriptor)
+
+
+class LiveChanges:
+    """Gives a program changes through a pipe, from any thread."""
+
+    def __init__(self, writer: ChangeWriter, descriptor: int) -> None:
+        self._writer = writer
+        self._descriptor = descriptor
+        self._lock = Lock()
+
+    def plan(self, changes: Iterable[Change]) -> None:
+        """Give it these; nothing happens if it has ended."""
+        with self._lock, suppress(BrokenPipeError):
+            for record in self._writer.records(changes):
+                if self._descriptor >= 0:
+                    os.write(self._descriptor, record)
+
+    def close(self) -> None:
+        """The run is over."""
+        with self._lock:
+            descriptor, self._descriptor = self._descriptor, -1
+            os.close(descriptor)
+
+
+@contextmanager
+def given_changes(network: CoreNetwork, changes: Iterable[Change], *, live: bool) -> Iterator[GivenChanges]:
+    """What a program is given, as long as it runs; ``live``: more may come."""
+    planned = sorted(changes, key=lambda change: change.time)
+    writer = ChangeWriter(network)
+    if live:
+        reading, writing = os.pipe()
+        more = LiveChanges(writer, writing)
+        try:
+            more.plan(planned)
+            yield GivenChanges(("--tune", f"/dev/fd/{reading}"), writer.changes, (reading,), more)
+        finally:
+            more.close()
+    elif planned:
+        with NamedTemporaryFile(prefix="cspdiag-", suffix=".changes") as file:
+            file.writelines(writer.records(planned))
+            file.flush()
+            yield GivenChanges(("--tune", file.name), writer.changes)
+    else:
+        yield GivenChanges((), ())
 
 
 class ChangeWriter:

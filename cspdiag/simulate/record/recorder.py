@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from cspdiag.simulate.record.history import History, histories_of, series
@@ -64,6 +64,8 @@ class Recorder:
         self.releases: list[tuple[int, str, object]] = []
         self.changes: list[tuple[int, str, tuple[int, ...], object]] = []
         """The changes of parameters of the program: time in nanoseconds, parameter, positions of the part, value."""
+        self.on_change: Callable[[int, str, tuple[int, ...], object], object] | None = None
+        """What is called at each change, too."""
         self.refused: list[tuple[int, str, str]] = []
         """Changes that were not made: time in nanoseconds, parameter, why, if that is known."""
         self.variables: dict[str, list[tuple[int, float]]] = {}
@@ -107,6 +109,8 @@ class Recorder:
     def changed(self, time: int, parameter: str, path: tuple[int, ...], value: object) -> None:
         """A parameter of the program, or a part of it, has a new value."""
         self.changes.append((time, parameter, path, value))
+        if self.on_change is not None:
+            self.on_change(time, parameter, path, value)
 
     def refused_change(self, time: int, parameter: str, reason: str) -> None:
         """A change was not made."""

@@ -42,8 +42,12 @@ static csp_ending run_in_real_time(csp_kernel *csp, int64_t last)
             csp_port_wait_until(earlier(csp_next(csp), last));
         }
         until = earlier(csp_port_now(), last);
-        if (next_change(csp) <= until) {
-            csp->program->tuning->make(csp, until);
+        if (ending == CSP_MORE) { /* All processes wait: a change is made before the next instant, not within one. */
+            const int64_t next = earlier(csp_next(csp), until);
+            if (next_change(csp) <= next) {
+                csp->program->tuning->make(csp, next);
+            }
+            until = earlier(until, next_change(csp) - 1);
         }
         ending = csp_advance(csp, until, STEPS_IN_REAL_TIME);
     }

@@ -23,9 +23,10 @@ def given_inputs(arguments: Namespace, network: CoreNetwork) -> RecordedInputs |
     from cspdiag.base.errors import MissingPackageError
     from cspdiag.runtime.kernel.durations import shown
     from cspdiag.simulate.record.stored.described import head_of
-    from cspdiag.simulate.record.stored.inputs import InputsError, recorded_inputs
+    from cspdiag.simulate.record.stored.inputs import recorded_inputs
     from cspdiag.simulate.record.stored.open_recording import open_recording
-    from cspdiag.simulate.record.stored.recording import RecordingError
+    from cspdiag.simulate.record.stored.parameters import parameters_signal
+    from cspdiag.simulate.record.stored.recording import InputsError, RecordingError
     from cspdiag.simulate.run.execute import chosen_environment
 
     environment = chosen_environment(network, arguments.environment)
@@ -34,7 +35,9 @@ def given_inputs(arguments: Namespace, network: CoreNetwork) -> RecordedInputs |
     if environment.drivers:
         raise UsageError(f"--inputs: {environment.name} has devices; choose an environment that is only simulated")
     try:
-        recording = open_recording(arguments.inputs, head_of(network, environment).ports)
+        parameters = parameters_signal(network)
+        signals = (*head_of(network, environment).ports, *(() if parameters is None else (parameters,)))
+        recording = open_recording(arguments.inputs, signals)
         inputs = recorded_inputs(network, environment, recording)
     except MissingPackageError as problem:
         raise UsageError(str(problem)) from None

@@ -52,16 +52,22 @@ def require_recording(name: str | None, option: str = "--record") -> None:
         raise UsageError(f"{option} {name}: {problem}") from None
 
 
-def opened_recording(arguments: Namespace, network: CoreNetwork) -> Recording | None:
-    """The recording of a run; None if there is to be none. Raises UsageError, and NoEnvironmentError."""
+def opened_recording(arguments: Namespace, network: CoreNetwork, *, tuned: bool) -> Recording | None:
+    """The recording of a run, which has the parameters of the program if they may change; None if there is to be none.
+    Raises UsageError, and NoEnvironmentError.
+    """
     if arguments.record is None and arguments.serve is None:
         return None
-    from cspdiag.simulate.record.stored.described import head_of
+    from cspdiag.simulate.record.stored.described import RecordingHead, head_of
+    from cspdiag.simulate.record.stored.parameters import parameters_signal
     from cspdiag.simulate.record.streamed.formats import open_writer, part_of
     from cspdiag.simulate.record.streamed.recording import Recording
     from cspdiag.simulate.run.execute import chosen_environment
 
     head = head_of(network, chosen_environment(network, arguments.environment))
+    parameters = parameters_signal(network) if tuned else None
+    if parameters is not None:
+        head = RecordingHead(head.process, head.environment, head.source, (*head.ports, parameters))
     name: str | None = arguments.record
     background = arguments.real_time and arguments.target != "c"
     listener = None if arguments.serve is None else _served(arguments.serve, head)

@@ -6,29 +6,16 @@ import sys
 import threading
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from cspdiag.cli.support.failure import UsageError, described
 from cspdiag.cli.support.terminal import say
 
 if TYPE_CHECKING:
+    from cspdiag.live import RunningProgram
     from cspdiag.model.program import Program
     from cspdiag.network.ir.network import CoreNetwork
-    from cspdiag.runtime.kernel.parameters import Change, ProgramParameters
-
-
-class TunedProgram(Protocol):
-    """A running program in Python."""
-
-    @property
-    def parameters(self) -> ProgramParameters:
-        """Its parameters."""
-        ...
-
-    @property
-    def now(self) -> int:
-        """The present instant in nanoseconds."""
-        ...
+    from cspdiag.runtime.kernel.parameters import Change
 
 
 class Tuning:
@@ -56,7 +43,7 @@ class Tuning:
                 if change is not None:
                     yield change
 
-    def attach(self, running: TunedProgram) -> None:
+    def attach(self, running: RunningProgram) -> None:
         """Read changes while the program runs; each is made at the next instant, unless it names a later one."""
         if not self.live:
             return
@@ -80,8 +67,6 @@ def tuning_of(arguments: Namespace, program: Program, network: CoreNetwork) -> T
     if source == "-" and arguments.file == "-":
         raise UsageError("--tune and the program cannot both be standard input")
     live = source == "-" and arguments.real_time
-    if live and arguments.target == "c":
-        raise UsageError("--tune reads standard input while a program runs in Python: omit --target c, or name a file")
     return Tuning(program, source, live=live)
 
 

@@ -24,11 +24,13 @@ from cspdiag.simulate.record.leaves import leaves
 
 @record
 class RecordedPort:
-    """A port of the outermost process; ``period`` and ``offset`` are in nanoseconds, 0 for the period of events."""
+    """A port of the outermost process, or the parameters of the program as one signal. ``period`` and ``offset`` are in
+    nanoseconds, 0 for the period of events.
+    """
 
     name: str
     type: Type
-    direction: Literal["in", "out"]
+    direction: Literal["in", "out", "parameter"]
     period: int = 0
     offset: int = 0
 

@@ -12,7 +12,6 @@ from heapq import merge
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, assert_never
 
-from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record
 from cspdiag.model.types import (
     ArrayType,
@@ -29,23 +28,23 @@ from cspdiag.model.types import (
 from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.simulate.record.stored.described import RecordedPort, head_of
-from cspdiag.simulate.record.stored.recording import StoredRecording
+from cspdiag.simulate.record.stored.parameters import recorded_changes
+from cspdiag.simulate.record.stored.recording import InputsError, StoredRecording, plain
 
 if TYPE_CHECKING:
     import numpy
+
+    from cspdiag.runtime.kernel.parameters import Change as ParameterChange
 
 Change = tuple[int, int, Any]
 """An instant in nanoseconds, the position of the input, its value from then on."""
 
 
-class InputsError(CspdiagError):
-    """A recording does not have what the inputs of a program need; the message names both."""
-
-
 @record
 class RecordedInputs:
     """The inputs of a program from a recording that fits them. ``positions`` are those of the inputs among the external
-    ports; ``initial`` their values at time 0.
+    ports; ``initial`` their values at time 0. ``parameter_changes`` are those with which the parameters of the program
+    are those of the recorded run.
     """
 
     recording: StoredRecording
@@ -53,6 +52,7 @@ class RecordedInputs:
     positions: tuple[int, ...]
     step: int
     initial: tuple[Any, ...]
+    parameter_changes: tuple[ParameterChange, ...] = ()
 
     __hash__ = object.__hash__
 
@@ -107,7 +107,8 @@ def recorded_inputs(network: CoreNetwork, environment: Environment, recording: S
         events = plain(values[:1])
         initial.append(another(events[0], port.type) if events else _zero(port.type))
     inputs = tuple(network.external_ports[position] for position in positions)
-    return RecordedInputs(recording, inputs, tuple(positions), environment.step, tuple(initial))
+    changes = recorded_changes(network, recording)
+    return RecordedInputs(recording, inputs, tuple(positions), environment.step, tuple(initial), changes)
 
 
 def _require_same(recording: StoredRecording, found: RecordedPort, wanted: RecordedPort, where: str) -> None:
@@ -139,17 +140,6 @@ def _require_ticks(recording: StoredRecording, times: numpy.ndarray, port: Recor
         wrong = numpy.flatnonzero(own != expected[: len(own)])
         at = int(expected[wrong[0]]) if len(wrong) else int(expected[len(own)])
         raise InputsError(f"{recording.path} has no sample at {shown(at)} for the input {where}, {_rhythm(port)}")
-
-
-def plain(values: numpy.ndarray) -> list[Any]:
-    """Values as numbers, and lists of those for arrays and structs."""
-    return [_plain(value) for value in values.tolist()]
-
-
-def _plain(value: Any) -> Any:
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    return [_plain(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def like(example: Any, value: Any) -> Any:

@@ -21,6 +21,10 @@ class RecordingError(CspdiagError):
     """A file is no recording, or damaged; the message names it and says what helps."""
 
 
+class InputsError(CspdiagError):
+    """A recording does not have what the inputs or the parameters of a program need; the message names both."""
+
+
 @record
 class StoredRecording:
     """``read`` gives the blocks of the ports at some positions, part by part: each part has what comes after the parts
@@ -55,6 +59,17 @@ class StoredRecording:
             numpy.concatenate([numpy.empty(0, numpy.int64), *(block.time for block in found)]),
             numpy.concatenate([column([], kind), *(block.value for block in found)]),
         )
+
+
+def plain(values: numpy.ndarray) -> list[Any]:
+    """Values as numbers, and lists of those for arrays and structs."""
+    return [_plain(value) for value in values.tolist()]
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return [_plain(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def assembled(numbers: Sequence[Any], kind: Type, count: int) -> numpy.ndarray:

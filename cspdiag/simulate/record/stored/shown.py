@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,10 +10,15 @@ from cspdiag.base.errors import missing_package
 from cspdiag.model.types import RealType, Type
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.simulate.record.leaves import leaf_of_each, leaves
+from cspdiag.simulate.record.stored.parameters import shown_values
 
 if TYPE_CHECKING:
     from cspdiag.simulate.record.stored.described import RecordedPort
     from cspdiag.simulate.record.stored.recording import StoredRecording
+
+
+_MOST_CHANGES = 100
+"""If there are more values of parameters than this, the rest is counted."""
 
 
 def text_of(recording: StoredRecording) -> str:
@@ -58,7 +64,21 @@ def text_of(recording: StoredRecording) -> str:
     widths = [max(len(row[column]) for row in cells) for column in range(len(cells[0]))]
     for row in cells:
         rows.append("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+    rows += _parameters(recording)
     return "\n".join(rows) + "\n"
+
+
+def _parameters(recording: StoredRecording) -> Iterator[str]:
+    """The first values of the parameters, and their changes."""
+    values = shown_values(recording)
+    if not values:
+        return
+    yield "  parameters, and their changes"
+    width = max(len(shown(time)) for time, _, _ in values)
+    for time, name, value in values[:_MOST_CHANGES]:
+        yield f"  {shown(time).rjust(width)}  {name} = {value}"
+    if len(values) > _MOST_CHANGES:
+        yield f"  … and {len(values) - _MOST_CHANGES} more"
 
 
 def _type(port: RecordedPort, recording: StoredRecording) -> str:

@@ -27,6 +27,7 @@ from cspdiag.model.types import (
 )
 from cspdiag.simulate.record.leaves import leaves
 from cspdiag.simulate.record.stored.described import RecordedPort, RecordingHead, head_from
+from cspdiag.simulate.record.stored.parameters import PARAMETERS
 from cspdiag.simulate.record.stored.recording import RecordingError, StoredRecording, assembled
 from cspdiag.simulate.record.streamed.blocks import Block
 
@@ -95,14 +96,28 @@ def open_table(path: str, ports: Sequence[RecordedPort] | None = None) -> Stored
     if not columns or columns[0] != "time":
         raise RecordingError(f"{path}:1: is no recording: the first column of a recording is `time`")
     if ports is None:
-        ports = [RecordedPort(name, kinds[name], "in") for name in columns[1:]]
+        ports = [
+            RecordedPort(name, kinds[name], "parameter" if name.startswith(f"{PARAMETERS}.") else "in")
+            for name in columns[1:]
+        ]
     known = [port for port in ports if all(name in columns for name, _, _ in leaves(port.name, port.type))]
+    _require_all_parameters(path, columns, ports, known)
     head = RecordingHead("", "", "", tuple(known))
     reader = _Table(path, columns, head)
     last = 0
     for part in reader.rows():
         last = part[-1][0]
     return StoredRecording(path, "table", head, reader.read, True, "", last, typed=False)
+
+
+def _require_all_parameters(
+    path: str, columns: Sequence[str], ports: Sequence[RecordedPort], known: Sequence[RecordedPort]
+) -> None:
+    for port in ports:
+        found = [name for name in columns if port.direction == "parameter" and name.startswith(f"{port.name}.")]
+        if found and port not in known:
+            wanted = ", ".join(name for name, _, _ in leaves(port.name, port.type))
+            raise RecordingError(f"{path} has the columns {', '.join(found)}, and the program the parameters {wanted}")
 
 
 def _guessed(file: Any, columns: Sequence[str]) -> dict[str, Type]:

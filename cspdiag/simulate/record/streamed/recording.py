@@ -83,6 +83,11 @@ class Recording:
         kind = self.head.ports[self.positions[channel]].type
         self.add(channel, numpy.array(time, dtype=numpy.int64), array_of(value, kind))
 
+    def add_parameters(self, time: int, value: object) -> None:
+        """The values of all parameters of the program, from an instant on; not for recordings without them."""
+        name = next(port.name for port in self.head.ports if port.direction == "parameter")
+        self.add_noted(f"{self.head.process}.{name}", [time], [value])
+
     def pass_time(self, before: int | None) -> None:
         """All values before this instant have been added: write them. None: the run is over."""
         blocks = self._pending.before(before)
