@@ -191,6 +191,11 @@ def _of_powers(powers: dict[str, int], text: str) -> Unit | None:
     return Unit(*_compared_fields(unit), "" if text == "1" else text) if _has_usable_scale(unit) else None
 
 
+def unit_names() -> tuple[str, ...]:
+    """The names of units without a prefix, those that are written most first."""
+    return (*_PREFIXED, *_UNPREFIXED)
+
+
 def near_unit(text: str) -> str | None:
     """The unit that was probably meant by an unknown one; None if there is no likely one."""
     if text in _HABITS:

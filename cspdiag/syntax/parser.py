@@ -178,8 +178,11 @@ class Parser:
             case "remove":
                 lexer.replace(lexer.kind, repair.end or lexer.end)
                 lexer.advance(self.automaton.tables.actions[self.states[-1]])
+                return
             case "insert":
                 lexer.insert(repair.terminal)
+        # The tree has the operator that was meant.
+        lexer.text = self.automaton.terminal_texts.get(repair.terminal, lexer.text)
 
     def _report_keyword(self, diagnostic: KeywordAsName) -> None:
         """Report a keyword that is used as a name, once for each word."""

@@ -75,10 +75,22 @@ def benchmark_folder() -> Path:
     return _path("benchmarks")
 
 
-def library_source(name: str) -> str | None:
-    """The text of a bundled library by the name that ``import`` gives it (``std.control``), or None if unknown."""
+def library_file(name: str) -> str | None:
+    """The path of a bundled library by the name that ``import`` gives it (``std.control``), or None if unknown."""
     parts = name.split(".")
     if len(parts) < 2 or parts[0] != "std" or not all(part.isidentifier() for part in parts):
         return None
     path = os.path.join(_PACKAGE, *parts) + ".csp"
-    return _text(path) if os.path.isfile(path) else None
+    return path if os.path.isfile(path) else None
+
+
+def library_source(name: str) -> str | None:
+    """The text of a bundled library, by its name as for ``library_file``, or None if unknown."""
+    path = library_file(name)
+    return None if path is None else _text(path)
+
+
+def library_names() -> list[str]:
+    """The names of the bundled libraries, such as ``std.control``."""
+    names = sorted(os.listdir(os.path.join(_PACKAGE, "std")))
+    return [f"std.{name.removesuffix('.csp')}" for name in names if name.endswith(".csp")]

@@ -39,16 +39,24 @@ class Automaton:
 
     def accepts(self, states: list[int], terminal: str) -> bool:
         """Whether the parser with these states accepts a terminal, after the reductions that precede it."""
+        top = self._reduced(states, terminal)
+        return terminal in self.tables.actions[top] or (terminal == tables.END and self.tables.symbols[top] == "start")
+
+    def shifting(self, states: list[int], terminal: str) -> int | None:
+        """The state in which the parser with these states takes a terminal; None if it does not accept it."""
+        top = self._reduced(states, terminal)
+        return top if terminal in self.tables.actions[top] else None
+
+    def _reduced(self, states: list[int], terminal: str) -> int:
+        """The state after the reductions that precede a terminal, accepted or not."""
         actions, gotos, rules = self.tables.actions, self.tables.gotos, self.tables.rules
         # The states below `base` are not changed; `top` has the states that the reductions push above it.
         base, top = len(states), [states[-1]]
         base -= 1
         while True:
             action = actions[top[-1]].get(terminal)
-            if action is None:
-                return terminal == tables.END and self.tables.symbols[top[-1]] == "start"
-            if action >= 0:
-                return True
+            if action is None or action >= 0:
+                return top[-1]
             rule = rules[~action]
             surplus = rule.length - len(top)
             if surplus < 0:

@@ -1,0 +1,32 @@
+"""``cspdiag lsp``: serve an editor."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+
+from cspdiag.base.errors import missing_package
+from cspdiag.cli.support.failure import FINE, UsageError
+
+EXAMPLE = "cspdiag lsp        # started by an editor, which talks to it on standard input and output"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--stdio", action="store_true", help="accepted because some editors add it; it is the default")
+
+
+def run(arguments: Namespace) -> int:
+    """Serve until the editor ends the connection."""
+    import gc
+
+    try:
+        from cspdiag.lsp.server import serve
+    except ImportError as problem:
+        if problem.name is None or problem.name.split(".")[0] not in {"pygls", "lsprotocol"}:
+            raise
+        raise UsageError(str(missing_package("pygls", "lsp"))) from None
+    # What was loaded is never garbage; what the checks leave is.
+    gc.freeze()
+    gc.enable()
+    serve()
+    return FINE

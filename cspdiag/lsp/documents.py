@@ -1,0 +1,109 @@
+"""The files of programs as the editor shows them: open ones with their unsaved texts, the others from disk."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+
+from lsprotocol import types
+from pygls import uris
+
+from cspdiag.base.files.resources import library_file
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile, with_line_feeds
+from cspdiag.lsp.positions import Positions
+
+MAX_CHARACTERS = 1_000_000
+"""The longest text of which the server computes anything while it is edited."""
+
+
+class Document:
+    """An open file; ``source`` has its present text, and ``identity`` is the same for all names of the file."""
+
+    def __init__(self, uri: str, name: str, text: str, version: int | None) -> None:
+        self.uri = uri
+        self.identity = identity(name)
+        self.version = version
+        self.source = SourceFile(name=name, text=with_line_feeds(text))
+
+    @property
+    def is_too_large(self) -> bool:
+        """Whether the text is too long to be checked while it is edited."""
+        return len(self.source.text) > MAX_CHARACTERS
+
+    def change(
+        self,
+        changes: Sequence[types.TextDocumentContentChangeEvent],
+        version: int | None,
+        positions: Positions,
+    ) -> None:
+        """Apply what the editor has changed, in order."""
+        source = self.source
+        for change in changes:
+            text = with_line_feeds(change.text)
+            if isinstance(change, types.TextDocumentContentChangePartial):
+                start = positions.offset(source, change.range.start)
+                end = max(start, positions.offset(source, change.range.end))
+                text = f"{source.text[:start]}{text}{source.text[end:]}"
+            source = SourceFile(name=source.name, text=text)
+        self.source = source
+        self.version = version
+
+
+@lru_cache(maxsize=4096)
+def identity(name: str) -> str:
+    """The same for all names of one file."""
+    return os.path.realpath(name)
+
+
+def name_of(uri: str) -> str:
+    """The name of the source file at a URI: its path, or the URI itself if that is not the URI of a file."""
+    path = uris.to_fs_path(uri) if uri.startswith("file:") else None
+    return uri if path is None else path.replace(os.sep, "/")
+
+
+class Documents:
+    """All open files, by identity. Two editors that have one file open under different names share it."""
+
+    def __init__(self, positions: Positions) -> None:
+        self.positions = positions
+        self._open: dict[str, Document] = {}
+
+    def __iter__(self) -> Iterator[Document]:
+        return iter(self._open.values())
+
+    def open(self, uri: str, text: str, version: int | None) -> Document:
+        """Take the text of a file from the editor from now on."""
+        document = Document(uri, name_of(uri), text, version)
+        self._open[document.identity] = document
+        return document
+
+    def close(self, uri: str) -> None:
+        """Take the text of a file from disk again."""
+        self._open.pop(identity(name_of(uri)), None)
+
+    def get(self, uri: str) -> Document | None:
+        """The open file at a URI."""
+        return self._open.get(identity(name_of(uri)))
+
+    def read(self, name: str) -> SourceFile:
+        """The present text of a file. Raises OSError if it is not open and cannot be read."""
+        document = self._open.get(identity(name))
+        if document is None:
+            return read_source(name)
+        return document.source if document.source.name == name else SourceFile(name=name, text=document.source.text)
+
+    def uri(self, name: str) -> str:
+        """The URI of a source file, as the editor writes it if the file is open."""
+        document = self._open.get(identity(name))
+        if document is not None:
+            return document.uri
+        if not os.path.isabs(name):
+            name = library_file(name.removesuffix(".csp").replace("/", ".")) or name
+        return uris.from_fs_path(name) or name
+
+    def version(self, name: str) -> int | None:
+        """The version of an open file; None for another one."""
+        document = self._open.get(identity(name))
+        return None if document is None else document.version

@@ -1,0 +1,58 @@
+"""Diagnostics, with the other places that belong to them and a link to their manual page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lsprotocol import types
+from pygls import uris
+
+from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.files.resources import manual_page_file
+from cspdiag.base.manual import FAMILIES
+from cspdiag.base.span import Span
+from cspdiag.lsp.positions import Positions
+
+SOURCE = "cspdiag"
+
+
+def diagnostic(found: Diagnostic, positions: Positions, uri: Callable[[str], str]) -> types.Diagnostic:
+    """A diagnostic as the editor shows it; ``uri`` gives the URI of a source file by name."""
+    is_error = found.severity == "error"
+    help_ = found.help
+    return types.Diagnostic(
+        range=positions.range(found.span),
+        message=found.message if help_ is None else f"{found.message}\n{help_}",
+        severity=types.DiagnosticSeverity.Error if is_error else types.DiagnosticSeverity.Warning,
+        code=found.code,
+        code_description=_manual_page(found.code),
+        source=SOURCE,
+        related_information=[
+            types.DiagnosticRelatedInformation(_location(label.span, positions, uri), label.message)
+            for label in found.all_labels
+        ],
+    )
+
+
+def _location(span: Span, positions: Positions, uri: Callable[[str], str]) -> types.Location:
+    return types.Location(uri(span.file), positions.range(span))
+
+
+def _manual_page(code: str) -> types.CodeDescription | None:
+    for folder in FAMILIES:
+        if folder[:2] == code[1:3]:
+            href = uris.from_fs_path(manual_page_file(folder, f"{code}.md"))
+            return None if href is None else types.CodeDescription(href)
+    return None
+
+
+def too_large(characters: int, limit: int) -> types.Diagnostic:
+    """The only diagnostic of a text that is not checked while it is edited."""
+    start = types.Position(0, 0)
+    return types.Diagnostic(
+        range=types.Range(start, start),
+        message=f"this file has {characters} characters, more than the {limit} that are checked while they are "
+        "edited; `cspdiag check` has no such limit",
+        severity=types.DiagnosticSeverity.Information,
+        source=SOURCE,
+    )

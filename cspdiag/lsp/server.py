@@ -1,0 +1,219 @@
+"""The server: connects the features with the protocol."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+
+from lsprotocol import types
+from pygls.capabilities import ServerCapabilitiesBuilder
+from pygls.lsp.server import LanguageServer
+from pygls.protocol import LanguageServerProtocol, lsp_method
+
+from cspdiag import __version__
+from cspdiag.lsp.documents import MAX_CHARACTERS, Document
+from cspdiag.lsp.features import completion, diagnostics, hover, outline
+from cspdiag.lsp.positions import Encoding
+from cspdiag.lsp.session import Session
+from cspdiag.lsp.view import View
+
+_SOON = 0.002
+"""Seconds after a change until the program is checked, so that changes that were sent together are one."""
+_LONGEST_PAUSE = 0.5
+"""Seconds of quiet for which the check of a slow program waits at most."""
+_QUICK = 0.1
+"""Seconds of a check from which on it waits for quiet."""
+
+
+class _Protocol(LanguageServerProtocol):
+    """The protocol without the texts that pygls keeps: it takes form feeds and other characters for ends of lines,
+    which are none in the protocol.
+    """
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
+    def lsp_text_document__did_open(self, params: types.DidOpenTextDocumentParams) -> Iterator[object]:
+        """A file was opened."""
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_OPEN], (params,), None
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_CHANGE)
+    def lsp_text_document__did_change(self, params: types.DidChangeTextDocumentParams) -> Iterator[object]:
+        """The text of an open file was changed."""
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_CHANGE], (params,), None
+
+    @lsp_method(types.TEXT_DOCUMENT_DID_CLOSE)
+    def lsp_text_document__did_close(self, params: types.DidCloseTextDocumentParams) -> Iterator[object]:
+        """A file was closed."""
+        yield self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE], (params,), None
+
+
+class CspdiagServer(LanguageServer):
+    """The language server of cspdiag."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "cspdiag",
+            __version__,
+            text_document_sync_kind=types.TextDocumentSyncKind.Incremental,
+            protocol_cls=_Protocol,
+        )
+        self.session = Session()
+        self._timer: asyncio.TimerHandle | None = None
+        self._changed: dict[str, Document] = {}
+        """Open documents whose diagnostics are to be computed, by identity."""
+        self._published: dict[str, dict[str, list[types.Diagnostic]]] = {}
+        """What was published for each URI, by the identity of the document whose program has it."""
+        self._last_seconds = 0.0
+
+    # Documents
+
+    def changed(self, document: Document) -> None:
+        """Publish the diagnostics of a document and of the open programs that contain it, soon."""
+        for user in self.session.users(document):
+            self._changed[user.identity] = user
+        if self._timer is not None:
+            self._timer.cancel()
+        pause = _SOON if self._last_seconds < _QUICK else min(self._last_seconds, _LONGEST_PAUSE)
+        self._timer = asyncio.get_running_loop().call_later(pause, self._publish_changed)
+
+    def _publish_changed(self) -> None:
+        self._timer = None
+        changed, self._changed = self._changed, {}
+        began = time.perf_counter()
+        for document in changed.values():
+            if self.session.documents.get(document.uri) is document:
+                self._publish(document)
+        self._last_seconds = time.perf_counter() - began
+
+    def _publish(self, document: Document) -> None:
+        found: dict[str, list[types.Diagnostic]] = {document.uri: []}
+        if document.is_too_large:
+            found[document.uri].append(diagnostics.too_large(len(document.source.text), MAX_CHARACTERS))
+        else:
+            uri, positions = self.session.documents.uri, self.session.positions
+            for each in self.session.view(document).diagnostics:
+                shown = diagnostics.diagnostic(each, positions, uri)
+                found.setdefault(uri(each.span.file), []).append(shown)
+        self._replace(document.identity, found)
+
+    def _replace(self, owner: str, found: dict[str, list[types.Diagnostic]]) -> None:
+        """Publish what has changed in the diagnostics of the program of one document."""
+        touched = dict.fromkeys([*found, *(uri for uri, owners in self._published.items() if owner in owners)])
+        for uri in touched:
+            owners = self._published.setdefault(uri, {})
+            if uri in found:
+                owners[owner] = found[uri]
+            else:
+                owners.pop(owner, None)
+            unique = {repr(each): each for several in owners.values() for each in several}
+            version = self.session.documents.version(self._name(uri))
+            self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, list(unique.values()), version))
+            if not owners:
+                del self._published[uri]
+
+    def _name(self, uri: str) -> str:
+        document = self.session.documents.get(uri)
+        return uri if document is None else document.source.name
+
+    def closed(self, uri: str) -> None:
+        """Withdraw the diagnostics of a document's program."""
+        document = self.session.documents.get(uri)
+        self.session.close(uri)
+        if document is not None:
+            self._changed.pop(document.identity, None)
+            self._replace(document.identity, {})
+            for user in self.session.users(document):
+                if user is not document:
+                    self.changed(user)
+
+    # Requests
+
+    def place(self, params: Any) -> tuple[View, int] | None:
+        """The program and the offset that a request is about; None if nothing is known of its document."""
+        view = self.view(params.text_document.uri)
+        if view is None:
+            return None
+        return view, self.session.positions.offset(view.main, params.position)
+
+    def view(self, uri: str) -> View | None:
+        """The program of an open document; None if it is not open or too large."""
+        document = self.session.documents.get(uri)
+        return None if document is None or document.is_too_large else self.session.view(document)
+
+
+def encoding_of(capabilities: types.ClientCapabilities) -> Encoding:
+    """The code units of positions, as pygls announces them to the editor."""
+    match ServerCapabilitiesBuilder.choose_position_encoding(capabilities):
+        case types.PositionEncodingKind.Utf8:
+            return "utf-8"
+        case types.PositionEncodingKind.Utf32:
+            return "utf-32"
+        case _:  # The default of the protocol; there are no others.
+            return "utf-16"
+
+
+server = CspdiagServer()
+
+
+@server.feature(types.INITIALIZE)
+def _initialize(ls: CspdiagServer, params: types.InitializeParams) -> None:
+    ls.session.positions.encoding = encoding_of(params.capabilities)
+
+
+@server.feature(types.TEXT_DOCUMENT_DID_OPEN)
+def _opened(ls: CspdiagServer, params: types.DidOpenTextDocumentParams) -> None:
+    item = params.text_document
+    ls.changed(ls.session.documents.open(item.uri, item.text, item.version))
+
+
+@server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
+def _changed(ls: CspdiagServer, params: types.DidChangeTextDocumentParams) -> None:
+    document = ls.session.documents.get(params.text_document.uri)
+    if document is not None:
+        document.change(params.content_changes, params.text_document.version, ls.session.positions)
+        ls.changed(document)
+
+
+@server.feature(types.TEXT_DOCUMENT_DID_CLOSE)
+def _closed(ls: CspdiagServer, params: types.DidCloseTextDocumentParams) -> None:
+    ls.closed(params.text_document.uri)
+
+
+@server.feature(types.TEXT_DOCUMENT_DID_SAVE)
+def _saved(ls: CspdiagServer, params: types.DidSaveTextDocumentParams) -> None:
+    for document in ls.session.documents:
+        ls.changed(document)
+
+
+@server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
+def _files_changed(ls: CspdiagServer, params: types.DidChangeWatchedFilesParams) -> None:
+    for document in ls.session.documents:
+        ls.changed(document)
+
+
+@server.feature(types.TEXT_DOCUMENT_HOVER)
+def _hover(ls: CspdiagServer, params: types.HoverParams) -> types.Hover | None:
+    place = ls.place(params)
+    return None if place is None else hover.hover(*place, ls.session.positions)
+
+
+@server.feature(
+    types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=[".", "<", ":", "(", ">", "?", "!"])
+)
+def _completion(ls: CspdiagServer, params: types.CompletionParams) -> list[types.CompletionItem]:
+    place = ls.place(params)
+    return [] if place is None else completion.completion(*place, ls.session.positions)
+
+
+@server.feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
+def _outline(ls: CspdiagServer, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+    view = ls.view(params.text_document.uri)
+    return [] if view is None else outline.outline(view, ls.session.positions)
+
+
+def serve() -> None:
+    """Serve an editor on standard input and output until it ends the connection."""
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), 10_000))
+    server.start_io()

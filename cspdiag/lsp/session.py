@@ -1,0 +1,82 @@
+"""What is open in the editor, and the programs that this makes."""
+
+from __future__ import annotations
+
+from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.report import Report
+from cspdiag.base.span import SourceFile
+from cspdiag.lsp.documents import Document, Documents, identity
+from cspdiag.lsp.positions import Positions
+from cspdiag.lsp.view import View
+from cspdiag.syntax import ast
+from cspdiag.syntax.on_demand import parsed
+
+
+class Session:
+    """The open documents with a view of each; a view is used until a file of its program changes."""
+
+    def __init__(self) -> None:
+        self.positions = Positions()
+        self.documents = Documents(self.positions)
+        self._views: dict[str, View] = {}
+        self._trees: dict[str, tuple[str, ast.SourceTree, list[Diagnostic]]] = {}
+        """By name: the last text of a file with its tree and the mistakes in it."""
+        self.checks = 0
+        """How many programs were checked."""
+        self.parses = 0
+        """How many texts were parsed."""
+
+    def view(self, document: Document) -> View:
+        """The program of which an open document is the main file, as it is now."""
+        known = self._views.get(document.identity)
+        if known is not None and known.main is document.source and self._is_present(known):
+            return known
+        self.checks += 1
+        view = self._views[document.identity] = View(document.source, self.documents.read, self._parse)
+        # Which files it imports is known once it was checked.
+        assert view.checked is not None
+        self._forget()
+        return view
+
+    def close(self, uri: str) -> None:
+        """Forget an open document."""
+        document = self.documents.get(uri)
+        self.documents.close(uri)
+        if document is not None:
+            self._views.pop(document.identity, None)
+            self._forget()
+
+    def _is_present(self, view: View) -> bool:
+        """Whether the imported files still have the texts that they had."""
+        return all(self._text(name) == text for name, text in view.texts.items())
+
+    def _text(self, name: str) -> str | None:
+        try:
+            return self.documents.read(name).text
+        except (OSError, ValueError):
+            return None
+
+    def _parse(self, source: SourceFile, report: Report) -> ast.SourceTree:
+        known = self._trees.get(source.name)
+        if known is None or known[0] != source.text:
+            self.parses += 1
+            mistakes = Report()
+            known = source.text, parsed(source, mistakes), mistakes.diagnostics
+            self._trees[source.name] = known
+        for mistake in known[2]:
+            report.add(mistake)
+        return known[1]
+
+    def _forget(self) -> None:
+        """Keep only the trees of files that belong to a program of an open document."""
+        used = {name for view in self._views.values() for name in (view.main.name, *view.texts)}
+        for name in [name for name in self._trees if name not in used and not name.startswith("std/")]:
+            del self._trees[name]
+
+    def users(self, document: Document) -> list[Document]:
+        """The open documents whose programs contain a document, itself included."""
+        return [each for each in self.documents if each is document or self._imports(each, document.identity)]
+
+    def _imports(self, document: Document, other: str) -> bool:
+        view = self._views.get(document.identity)
+        return view is not None and any(identity(name) == other for name in view.texts)

@@ -1,0 +1,94 @@
+"""A program as it is at present, seen from one of its files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.report import Report
+from cspdiag.base.span import SourceFile
+from cspdiag.draw.elements.facts import Facts
+from cspdiag.lsp.occurrences import Occurrences
+from cspdiag.model.names.described import with_described_ports
+from cspdiag.model.names.imports import load
+from cspdiag.model.names.resolve import resolve
+from cspdiag.model.program import Program
+from cspdiag.pipeline import Checked, Reader, check
+from cspdiag.syntax import ast
+from cspdiag.syntax.parse.nesting import raised_recursion_limit
+
+Parse = Callable[[SourceFile, Report], ast.SourceTree]
+
+
+class View:
+    """A program with everything that features need to know of it, computed when it is first needed.
+
+    A text that is half typed has a tree, too: without the declarations that could not be read. What is known then is
+    what the rest says.
+    """
+
+    def __init__(self, main: SourceFile, read: Reader, parse: Parse) -> None:
+        self.main = main
+        self._read = read
+        self._parse = parse
+        self.texts: dict[str, str | None] = {}
+        """The imported files with their texts, None for those that could not be read."""
+        self._occurrences: dict[str, Occurrences] = {}
+
+    def _noted(self, name: str) -> SourceFile:
+        self.texts[name] = None
+        source = self._read(name)
+        self.texts[name] = source.text
+        return source
+
+    @cached_property
+    def checked(self) -> Checked:
+        """The program after all checks."""
+        return check(self.main, self._noted, parse=self._parse, for_findings=True)
+
+    @property
+    def diagnostics(self) -> list[Diagnostic]:
+        """Everything that is wrong with the program, by file and place."""
+        return self.checked.report.diagnostics
+
+    @cached_property
+    @raised_recursion_limit()
+    def program(self) -> Program:
+        """The program with the meanings of its names, as far as they could be found."""
+        if self.checked.program is not None:
+            return self.checked.program
+        trees = with_described_ports(load(self.main, self._noted, Report(), self._parse))
+        return resolve(trees, {}, Report())
+
+    @property
+    def tree(self) -> ast.SourceTree:
+        """The tree of the main file."""
+        return self.program.main
+
+    @cached_property
+    @raised_recursion_limit()
+    def facts(self) -> Facts:
+        """The inferred kinds and periods."""
+        fewer = self.checked.fewer
+        if fewer is not None and fewer.checked.program is not None:
+            return Facts(fewer.checked.program, fewer.checked.analysis)
+        return Facts(self.program, self.checked.analysis)
+
+    @property
+    def sources(self) -> dict[str, SourceFile]:
+        """The files of the program by name, the main one first."""
+        return {tree.source.name: tree.source for tree in self.program.trees}
+
+    def occurrences(self, name: str) -> Occurrences:
+        """The names in a file of the program."""
+        known = self._occurrences.get(name)
+        if known is None:
+            tree = next(tree for tree in self.program.trees if tree.source.name == name)
+            known = self._occurrences[name] = Occurrences(self.program, tree)
+        return known
+
+    @property
+    def here(self) -> Occurrences:
+        """The names in the main file."""
+        return self.occurrences(self.main.name)
