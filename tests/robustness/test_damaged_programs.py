@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.robustness.answers import answer
 from tests.robustness.damage import damaged
 
-PROGRAMS = 2_000
+PROGRAMS = 1_000
 BLOCK = 250
 
 

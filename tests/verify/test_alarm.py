@@ -132,8 +132,8 @@ def test_whenever_the_alarm_rings_the_answer_is_none_or_correct(
     assert whole.outcome == "refuted"
     took = Verifier(obligations, read).answer(question, Limits()).seconds
     outcomes = set()
-    for k in range(25):
-        monkeypatch.setattr(alarm, "LATER", (k + 1) * took / 20)
+    for k in range(12):
+        monkeypatch.setattr(alarm, "LATER", (k + 1) * took / 10)
         verifier = Verifier(obligations, read, enforced=lambda _: ended_by_alarm(Limits(seconds=0.0)))
         answer = verifier.answer(question, Limits())
         assert answer.outcome == "refuted" or "the time limit of 0 s was reached" in answer.reason

@@ -27,6 +27,8 @@ MODELS = ("buffer", "cascade", "commstime", "dining/deadlock", "dining", "emerge
 PROGRAMS = sorted((ROOT / "tests/conformance/programs").glob("*.csp"))
 TOO_LARGE = {"branches_in_runs", "branches_of_one_body", "fair_choice_among_many"}
 """These have too many states: the explored part is allowed, and no more is known."""
+TOO_LARGE_TO_BUILD = {"turns_that_differ_by_values"}
+"""Of these one process alone has some 100,000 places."""
 LONGEST = 120
 """The maximum number of communications to follow."""
 
@@ -69,12 +71,14 @@ def test_model(name: str) -> None:
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
 def test_program_that_is_hard_to_get_right(path: Path) -> None:
     network = network_of(read(str(path)))
+    if path.stem in TOO_LARGE_TO_BUILD:
+        pytest.skip("its transition system is built for half a minute")
     if guard_met_by_its_body(network) is not None:
         pytest.skip("its transition system is no basis of a proof")
     assert assert_allowed(network, run_of(network)) or path.stem in TOO_LARGE
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
 @given(programs() | encounters())
 def test_random_program(text: str) -> None:
     note(text)

@@ -65,8 +65,8 @@ assert Oven deadlock free
 
 @pytest.fixture(autouse=True)
 def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rounds, "MOST_STEPS", 500)
-    monkeypatch.setattr(rounds, "MOST_IN_ALL", 4_000)
+    monkeypatch.setattr(rounds, "MOST_STEPS", 200)
+    monkeypatch.setattr(rounds, "MOST_IN_ALL", 1_200)
 
 
 def oven(condition: str = "heat < 0.5", samples: int = 25) -> str:
