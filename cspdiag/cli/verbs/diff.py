@@ -2,31 +2,43 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.files.written import file_path, require_file
-from cspdiag.cli.support.revisions import LAST_COMMIT, reader_of, split_name
+from cspdiag.cli.support.files.written import require_file, require_folder
 from cspdiag.cli.support.terminal import say, show_diagnostics, wants_colour, write_out
-from cspdiag.pipeline import check
+from cspdiag.cli.support.versions.compared import Comparison, UnreadableError, compared, versions
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from cspdiag.draw.differences.programs import Difference
-    from cspdiag.model.program import Program
 
 EXAMPLE = """cspdiag diff old.csp new.csp
 cspdiag diff models/jiwy/jiwy.csp
 cspdiag diff models/jiwy/jiwy.csp --from v1.0 --to main -o changes.svg
-cspdiag diff HEAD~3:models/jiwy/jiwy.csp models/jiwy/jiwy.csp --format json"""
+cspdiag diff HEAD~3:models/jiwy/jiwy.csp models/jiwy/jiwy.csp --format json
+cspdiag diff --from main --format markdown -o changes/"""
 FORMATS = (".svg", ".png", ".pdf")
+UNREADABLE = 2
+"""The exit code if some of a version could not be read: what was compared is not everything."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("old", metavar="OLD", help="a program, or REVISION:FILE of a git repository")
+    parser.add_argument(
+        "old",
+        metavar="OLD",
+        nargs="?",
+        help=(
+            "a program, or REVISION:FILE of a git repository; without it all programs at or below this folder that "
+            "changed"
+        ),
+    )
     parser.add_argument(
         "new",
         metavar="NEW",
@@ -38,16 +50,26 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--from", dest="start", metavar="REVISION", help="the earlier revision (default: HEAD)")
     parser.add_argument("--to", dest="end", metavar="REVISION", help="the later revision (default: the working tree)")
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
+    parser.add_argument(
+        "--format",
+        choices=("text", "json", "markdown"),
+        default="text",
+        help="output format (default: text); markdown is for a comment on a change",
+    )
     parser.add_argument(
         "-o",
         "--output",
         metavar="OUT",
-        type=file_path,
         help=(
-            "draw the changed diagrams into a file that ends in .svg, .png or .pdf: added green with +, removed red "
-            "and broken, changed amber"
+            "draw the changed diagrams into a file that ends in .svg, .png or .pdf, or into a folder, a picture for "
+            "each program: added green with +, removed red and broken, changed amber"
         ),
+    )
+    parser.add_argument(
+        "--pictures",
+        choices=tuple(ending.removeprefix(".") for ending in FORMATS),
+        default="svg",
+        help="the format of the pictures in a folder (default: svg)",
     )
     parser.add_argument(
         "--scheme", choices=("light", "dark", "auto"), default="auto", help="colours of the picture (default: auto)"
@@ -56,51 +78,99 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Show and draw the differences: exit code 0 for none, 1 for some, 2 if a version cannot be read."""
-    require_file("-o", arguments.output, FORMATS, any_case=True)
-    versions = _versions(arguments)
-    before, after = (_program(revision, path, arguments) for revision, path in versions)
+    """Show and draw the differences: exit code 0 for none, 1 for some, 2 if some of a version cannot be read."""
+    into_folder = _check_output(arguments)
+    found: list[Comparison] = []
+    unreadable = False
+    for before, after in versions(arguments):
+        try:
+            found.append(compared(before, after, imported=arguments.old is not None))
+        except UnreadableError as problem:
+            show_diagnostics(problem.diagnostics, arguments.color)
+            if arguments.old is not None:
+                raise UsageError(str(problem)) from None
+            say(f"cspdiag: {on_one_line(str(problem))}")
+            unreadable = True
+    for comparison in found:
+        show_diagnostics(comparison.errors, arguments.color)
+        unreadable = unreadable or bool(comparison.errors)
+    pictures = _pictures(arguments, found) if into_folder else {}
+    write_out(_written(arguments, found, pictures))
+    if arguments.output is not None and not into_folder:
+        from pathlib import Path
 
-    from cspdiag.draw.differences.programs import differences
+        _draw(Path(arguments.output), found[0].difference, arguments.scheme)
+    if unreadable:
+        return UNREADABLE
+    changed = any(comparison.difference.changes for comparison in found)
+    return UNSUCCESSFUL if changed and not arguments.exit_zero else FINE
 
-    found = differences(before, after)
-    if arguments.format == "json":
-        from cspdiag.draw.differences.render_json import render as render_json
 
-        write_out(render_json(found.changes))
+def _check_output(arguments: Namespace) -> bool:
+    """Whether the pictures go into a folder. Raises UsageError for a place where none can be written."""
+    output = arguments.output
+    if output is None:
+        return False
+    is_folder = os.path.isdir(output) or output.endswith(os.sep) or not os.path.splitext(output)[1]
+    if is_folder:
+        require_folder("-o", output)
+    elif arguments.old is None:
+        raise UsageError(f"-o {output}: pictures of several programs need a folder, such as {output}{os.sep}")
     else:
-        from cspdiag.draw.differences.render_text import render
-
-        write_out(render(found.changes, colour=wants_colour(arguments.color, sys.stdout)))
-    if arguments.output is not None:
-        _draw(arguments, found)
-    return UNSUCCESSFUL if found.changes and not arguments.exit_zero else FINE
+        require_file("-o", output, FORMATS, any_case=True)
+    return is_folder
 
 
-def _versions(arguments: Namespace) -> tuple[tuple[str | None, str], tuple[str | None, str]]:
-    """Revision and file of both versions."""
-    if arguments.new is not None:
-        if arguments.start is not None or arguments.end is not None:
-            raise UsageError("--from and --to are for the revisions of one file")
-        return split_name(arguments.old), split_name(arguments.new)
-    revision, path = split_name(arguments.old)
-    if revision is not None:
-        if arguments.start is not None:
-            raise UsageError(f"{arguments.old} names a revision, and so does --from")
-        return (revision, path), (arguments.end, path)
-    return (arguments.start or LAST_COMMIT, path), (arguments.end, path)
+def _written(arguments: Namespace, found: list[Comparison], pictures: dict[str, str]) -> str:
+    match arguments.format:
+        case "json":
+            from cspdiag.draw.differences.render_json import render as render_json
+
+            return render_json(change for comparison in found for change in comparison.difference.changes)
+        case "markdown":
+            from cspdiag.draw.differences.render_markdown import render as render_markdown
+
+            sections = [
+                render_markdown(
+                    comparison.path,
+                    comparison.difference,
+                    [f"{problem.span}: {problem.code}: {problem.message}" for problem in comparison.errors],
+                    pictures.get(comparison.path),
+                )
+                for comparison in found
+            ]
+            return "\n".join(sections)
+        case _:  # text
+            from cspdiag.draw.differences.render_text import render
+
+            colour = wants_colour(arguments.color, sys.stdout)
+            texts = []
+            for comparison in found:
+                text = render(comparison.difference.changes, colour=colour)
+                text += "".join(f"  not compared: {name}\n" for name in comparison.difference.uncompared)
+                heading = f"{on_one_line(comparison.path)}\n" if arguments.old is None and text else ""
+                texts.append(heading + text)
+            return "".join(texts)
 
 
-def _program(revision: str | None, path: str, arguments: Namespace) -> Program:
-    read = reader_of(revision)
-    checked = check(read(path), read)
-    if checked.program is None:
-        show_diagnostics(checked.report.diagnostics, arguments.color)
-        raise UsageError(f"{path}{f' in {revision}' if revision else ''} cannot be read as a program")
-    return checked.program
+def _pictures(arguments: Namespace, found: list[Comparison]) -> dict[str, str]:
+    """Draw the changes of each program into a folder; the pictures by the names of the programs."""
+    from pathlib import Path
+
+    pictures: dict[str, str] = {}
+    for comparison in found:
+        if comparison.difference.changes:
+            name = os.path.normpath(comparison.path)
+            if os.path.isabs(name) or name.startswith(os.pardir):
+                name = os.path.basename(name)
+            path = Path(arguments.output, name).with_suffix(f".{arguments.pictures}")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            _draw(path, comparison.difference, arguments.scheme)
+            pictures[comparison.path] = path.as_posix()
+    return pictures
 
 
-def _draw(arguments: Namespace, found: Difference) -> None:
+def _draw(path: Path, difference: Difference, scheme: str) -> None:
     from cspdiag.base.files.whole import write_whole
     from cspdiag.draw.differences.picture import pictures_of
     from cspdiag.draw.layout.graph import LayoutError
@@ -108,11 +178,10 @@ def _draw(arguments: Namespace, found: Difference) -> None:
     from cspdiag.draw.output.formats import rendered
 
     try:
-        scenes = pictures_of(found)
-        data = rendered(scenes, arguments.output.suffix.removeprefix(".").lower(), arguments.scheme)
+        data = rendered(pictures_of(difference), path.suffix.removeprefix(".").lower(), scheme)
     except MissingToolError as problem:
         raise UsageError(str(problem)) from None
     except LayoutError as problem:
         raise NoResultError(str(problem)) from None
-    write_whole(arguments.output, data)
-    say(f"wrote {on_one_line(arguments.output)}")
+    write_whole(path, data)
+    say(f"wrote {on_one_line(path)}")

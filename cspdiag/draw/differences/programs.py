@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import assert_never
 
 from cspdiag.base.record import record, replaced
-from cspdiag.draw.differences.change import Change, compare
+from cspdiag.draw.differences.change import Change, Parts, compare
 from cspdiag.draw.differences.parts import KINDS, definition_parts, diagram_parts, kind_of
+from cspdiag.draw.differences.renamed_parts import part_renames, with_new_names
 from cspdiag.draw.differences.renames import pairs, renamed, vertex_renames, with_matched_arrows
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.communication import Drawn
@@ -39,45 +40,64 @@ class Pair:
 
 @record
 class Difference:
-    """All changes in the order of the text, and the diagrams that changed."""
+    """All changes in the order of the text, and the diagrams that changed. ``uncompared`` are the definitions that only
+    one version has while the other could not be read whole, so that they may be there, too.
+    """
 
     changes: tuple[Change, ...] = ()
     diagrams: tuple[Pair, ...] = ()
+    uncompared: tuple[str, ...] = ()
 
 
-def differences(before: Program, after: Program) -> Difference:
+def differences(
+    before: Program, after: Program, *, whole: tuple[bool, bool] = (True, True), imported: bool = True
+) -> Difference:
     """What changed from one version to the next; doc comments, layout of the text and order of declarations do not
-    count.
+    count. ``whole``: whether each version was read whole, without definitions that have syntax errors; ``imported``:
+    whether definitions of imported files count.
     """
-    return _Comparison(Pictures(before), Pictures(after)).difference()
+    return _Comparison(Pictures(before), Pictures(after), *whole, imported).difference()
 
 
 class _Comparison:
-    def __init__(self, before: Pictures, after: Pictures) -> None:
+    def __init__(
+        self, before: Pictures, after: Pictures, before_is_whole: bool, after_is_whole: bool, imported: bool
+    ) -> None:
         self.before = before
         self.after = after
-        self.old = before.program.definitions
-        self.new = after.program.definitions
+        self.before_is_whole = before_is_whole
+        self.after_is_whole = after_is_whole
+        self.old = before.program.definitions if imported else _own_definitions(before.program)
+        self.new = after.program.definitions if imported else _own_definitions(after.program)
         self.names = self._renamed_definitions()
         """New names of definitions that were renamed."""
 
     def difference(self) -> Difference:
         changes: list[Change] = []
         diagrams: list[Pair] = []
+        uncompared: list[str] = []
         former = {new: old for old, new in self.names.items()}
         for name, definition in self.new.items():
             old = self.old.get(former.get(name, name))
             if old is not None and type(old) is not type(definition):
                 old = None
+            if old is None and not self.before_is_whole:
+                uncompared.append(f"{kind_of(definition)} {name}")
+                continue
             self._definition(name, old, definition, changes, diagrams)
         for name, definition in self.old.items():
             kept = self.new.get(self.names.get(name, name))
-            if type(kept) is not type(definition):
-                self._definition(name, definition, None, changes, diagrams)
-        changes += self._assertions()
+            if type(kept) is type(definition):
+                continue
+            if not self.after_is_whole:
+                uncompared.append(f"{kind_of(definition)} {name}")
+                continue
+            self._definition(name, definition, None, changes, diagrams)
+        if self.before_is_whole and self.after_is_whole:
+            changes += self._assertions()
         order = ["const", "parameter", *list(KINDS.values())[1:]]
         changes.sort(key=lambda change: order.index(change.kind) if change.kind in order else len(order))
-        return Difference(tuple(changes), tuple(diagrams))
+        return Difference(tuple(changes), tuple(diagrams), tuple(uncompared))
 
     def _definition(
         self,
@@ -119,6 +139,10 @@ class _Comparison:
                 found += renames
                 own_before |= diagram_parts(first, _parameters(self.before.program, self.names))
                 own_after |= diagram_parts(second, _parameters(self.after.program))
+            if isinstance(new, ast.SubmodelDefinition):
+                own_names = part_renames(own_before, own_after)
+                found += _renamed_parts(whole, own_names, own_before, own_after)
+                own_before = with_new_names(own_before, own_names)
             found += compare(kind, name, own_before, own_after)
         composition = self._composition(old, new, names)
         if composition is not None and old is not None and new is not None:
@@ -185,6 +209,8 @@ class _Comparison:
         return removed + added
 
     def _renamed_definitions(self) -> dict[str, str]:
+        if not (self.before_is_whole and self.after_is_whole):
+            return {}
         removed = [item for name, item in self.old.items() if type(self.new.get(name)) is not type(item)]
         added = [item for name, item in self.new.items() if type(self.old.get(name)) is not type(item)]
         old = {id(item): self._content(self.before, item) for item in removed}
@@ -211,6 +237,22 @@ class _Comparison:
         if isinstance(definition, ast.ProcessDefinition) and definition.composition is not None:
             found.add(("composition", texts.written(definition.composition)))
         return frozenset(found)
+
+
+def _renamed_parts(whole: Change, names: Mapping[tuple[str, str], str], before: Parts, after: Parts) -> list[Change]:
+    return [
+        replaced(
+            whole,
+            action="renamed",
+            subject=subject,
+            name=new,
+            before=old,
+            after=new,
+            span_before=before[subject, old].span if (subject, old) in before else None,
+            span_after=after[subject, new].span,
+        )
+        for (subject, old), new in names.items()
+    ]
 
 
 def _composition_changes(
@@ -241,6 +283,12 @@ def _composition_changes(
             )
         )
     return found
+
+
+def _own_definitions(program: Program) -> dict[str, ast.Definition]:
+    """The definitions of the file itself."""
+    source = program.main.source
+    return {name: item for name, item in program.definitions.items() if item.name.span.source is source}
 
 
 def _subject(diagram: CommunicationDiagram, key: str) -> str:

@@ -178,9 +178,66 @@ def test_a_version_that_cannot_be_read_is_shown_with_its_errors(cspdiag: Command
     old, new = versions
     new.write_text(PROGRAM.replace("communication {", "communication"))
     result = cspdiag("diff", old, new)
-    assert (result.code, result.out) == (2, "")
+    assert (result.code, result.out) == (2, "  not compared: process Loop\n")
     assert "error[E01" in result.err
-    assert result.err.endswith(f"cspdiag: {new} cannot be read as a program\n")
+    assert "Traceback" not in result.err
+
+
+def test_definitions_without_syntax_errors_are_compared_beside_those_with_errors(
+    cspdiag: Command, tmp_path: Path
+) -> None:
+    old, new = tmp_path / "old.csp", tmp_path / "new.csp"
+    old.write_text("const one = 1\n\nstruct Pose { x : double }\n\nenum Mode { idle, run }\n")
+    new.write_text("const one = 2\n\nstruct Pose { x : }\n\nenum Mode { idle, run, halt }\n")
+    for first, second, change in (
+        (old, new, "    ~ value 1 → 2\n"),
+        (new, old, "    ~ value 2 → 1\n"),
+    ):
+        result = cspdiag("diff", first, second)
+        assert result.code == 2
+        assert change in result.out
+        assert "  not compared: struct Pose\n" in result.out
+        assert "struct Pose\n" not in result.out.replace("not compared: struct Pose\n", "")
+        assert result.err.count("error[") == 1
+
+
+def test_all_changed_programs_of_a_folder_are_compared_as_a_comment(
+    cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(repository)
+    (repository / "loop.csp").write_text(PROGRAM.replace("2<V>", "3<V>"))
+    (repository / "law.csp").rename(repository / "laws.csp")
+    (repository / "broken.csp").write_text("process {\n")
+    git(repository, "add", "--all")
+    result = cspdiag("diff", "--format", "markdown")
+    assert result.code == 2
+    assert result.out.startswith("### `broken.csp`\n\nNot everything could be read:\n\n```text\nbroken.csp:1: E01")
+    assert "### `law.csp`\n\n```diff\n- submodel Law(gain: double<V>)\n```\n" in result.out
+    assert "### `laws.csp`\n\n```diff\n+ submodel Law(gain: double<V>)\n```\n" in result.out
+    commit(repository, "second")
+    (repository / "broken.csp").unlink()
+    (repository / "laws.csp").unlink()
+    (repository / "law.csp").write_text(LIBRARY)
+    (repository / "loop.csp").write_text(PROGRAM.replace("2<V>", "4<V>"))
+    git(repository, "add", "--all")
+    text = cspdiag("diff", "--from", "HEAD~1")
+    assert (text.code, text.out) == (1, "loop.csp\n  process Loop\n    ~ instance law: argument gain 2<V> → 4<V>\n")
+    assert cspdiag("diff", "--from", "nowhere").code == 2
+
+
+@pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
+def test_changed_programs_are_drawn_into_a_folder(
+    cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(repository)
+    (repository / "loop.csp").write_text(PROGRAM.replace("2<V>", "3<V>"))
+    result = cspdiag("diff", "--format", "markdown", "-o", "the changes/")
+    assert result.code == 1
+    assert "![What changed in the diagrams of loop.csp](the%20changes/loop.svg)" in result.out
+    assert (repository / "the changes" / "loop.svg").read_text().startswith("<svg")
+    refused = cspdiag("diff", "-o", "changes.svg")
+    assert (refused.code, refused.out) == (2, "")
+    assert "need a folder" in refused.err
 
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")

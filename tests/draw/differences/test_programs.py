@@ -220,3 +220,34 @@ def test_spaces_within_indexes_do_not_count() -> None:
     changed = text.replace("cell[i + 1].input", "cell[ i+1 ].input").replace("cell[cells - 1]", "cell[cells-1]")
     assert changed != text
     assert differences(program(text), program(changed)) == Difference()
+
+
+def test_states_and_values_of_a_submodel_that_were_renamed_are_found() -> None:
+    before = """submodel Filter(rate: double = 2) {
+  in  a : double
+  out p : double
+  state old : double = 0
+  let half = old / rate
+  let sum  = half + a
+  next old = sum
+  p = sum * 2
+}
+"""
+    after = (
+        before.replace("rate", "speed").replace("old", "stored").replace("half", "part").replace("sum * 2", "sum * 3")
+    )
+    assert render(differences(program(before), program(after)).changes).splitlines() == [
+        "  submodel Filter",
+        "    ~ parameter rate is now called speed",
+        "    ~ state old is now called stored",
+        "    ~ let half is now called part",
+        "    ~ equation p: value sum * 2 → sum * 3",
+    ]
+
+
+def test_what_also_changed_or_could_be_two_things_is_not_renamed() -> None:
+    before = "submodel Two {\n  in  a : double\n  out p : double\n  let x = a\n  let y = a\n  p = x + y\n}\n"
+    after = before.replace("let x", "let u").replace("let y", "let v").replace("x + y", "u + v")
+    found = render(differences(program(before), program(after)).changes).splitlines()
+    assert not any("is now called" in line for line in found)
+    assert [line.split()[0] for line in found[1:]] == ["-", "-", "+", "+", "~"]

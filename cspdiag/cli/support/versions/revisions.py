@@ -40,7 +40,7 @@ def split_name(name: str) -> tuple[str | None, str]:
     if not colon or not revision or not path or os.path.exists(name):
         return None, name
     if not path.startswith(("./", "../")):
-        top = _git(path, os.curdir, "rev-parse", "--show-toplevel").decode().rstrip("\n")
+        top = git(path, os.curdir, "rev-parse", "--show-toplevel").decode().rstrip("\n")
         path = os.path.relpath(os.path.join(top, path))
     return revision, os.path.normpath(path)
 
@@ -51,7 +51,7 @@ def _shown(revision: str, path: str) -> bytes:
     while not os.path.isdir(folder):
         folder, last = os.path.split(folder)
         rest = os.path.join(last, rest)
-    _git(
+    git(
         path,
         folder,
         "rev-parse",
@@ -62,14 +62,14 @@ def _shown(revision: str, path: str) -> bytes:
         says=f"no revision {revision!r}" + (f": {_COMMIT_OR_NAME_TWO}" if revision == LAST_COMMIT else ""),
     )
     try:
-        return _git(path, folder, "show", "--end-of-options", f"{revision}:./{rest}")
+        return git(path, folder, "show", "--end-of-options", f"{revision}:./{rest}")
     except UsageError:
         advice = f" ({_COMMIT_OR_NAME_TWO})" if revision == LAST_COMMIT else ""
         raise OSError(errno.ENOENT, f"not in revision {revision}{advice}", path) from None
 
 
-def _git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
-    """The output of git in a folder; ``path`` is the file concerned."""
+def git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
+    """The output of git in a folder; ``path`` is the file concerned. Raises UsageError with what git says."""
     try:
         done = subprocess.run(
             ["git", "-C", folder, *arguments],

@@ -1,0 +1,1 @@
+"""The versions of programs that are compared: files, and revisions of git."""

@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Shows what a pull request changes in the diagrams: in the summary of the job, and in a comment.
+#
+# BASE is the commit with which to compare, NUMBER the pull request, COMMENT whether to comment ("true"), and
+# PICTURES_BRANCH the beginning of the name of the branch for pictures, or empty.
+set -euo pipefail
+
+folder="$RUNNER_TEMP/diagram-changes"
+mkdir -p "$folder"
+mark="<!-- changes of diagrams, by cspdiag -->"
+
+git cat-file -e "$BASE^{commit}" 2> /dev/null || git fetch --quiet --depth=1 origin "$BASE"
+
+# 2: some of a version cannot be read, which the review says, and the check reports.
+status=0
+cspdiag diff --from "$BASE" --exit-zero --format markdown --scheme light -o "$folder/pictures/" --pictures png \
+    > "$folder/changes.md" || status=$?
+if [ "$status" -ne 0 ] && [ "$status" -ne 2 ]; then
+    exit "$status"
+fi
+if [ ! -s "$folder/changes.md" ]; then
+    echo "no program has changed"
+    exit 0
+fi
+
+without_pictures() {
+    sed '/^!\[What changed in the diagrams of /d' "$folder/changes.md"
+}
+
+# A branch of its own for each pull request holds the pictures of its last state.
+push_pictures() {
+    local branch="$PICTURES_BRANCH/$NUMBER" index commit
+    index="$folder/index"
+    rm -f "$index"
+    GIT_INDEX_FILE="$index" git --work-tree="$folder/pictures" add --force --all .
+    commit=$(git -c user.name=cspdiag -c user.email=cspdiag@users.noreply.github.com \
+        commit-tree -m "Pictures of pull request $NUMBER" "$(GIT_INDEX_FILE="$index" git write-tree)")
+    git push --quiet --force origin "$commit:refs/heads/$branch" || return 1
+    echo "$GITHUB_SERVER_URL/$GITHUB_REPOSITORY/raw/$commit"
+}
+
+{
+    echo "$mark"
+    echo "## Changes of the diagrams"
+    echo
+    if [ -n "${PICTURES_BRANCH:-}" ] && [ -d "$folder/pictures" ]; then
+        if address=$(push_pictures); then
+            sed "s|^\(!\[What changed in the diagrams of .*\](\)$folder/pictures/|\1$address/|" "$folder/changes.md"
+        else
+            echo "::warning::the pictures could not be pushed: the job needs the permission contents: write" >&2
+            without_pictures
+        fi
+    else
+        without_pictures
+    fi
+} > "$folder/comment.md"
+
+cat "$folder/comment.md" >> "$GITHUB_STEP_SUMMARY"
+if [ "$COMMENT" = "true" ]; then
+    # The comment of an earlier run is brought up to date.
+    earlier=$(gh api --paginate "repos/$GITHUB_REPOSITORY/issues/$NUMBER/comments" \
+        --jq "[.[] | select(.body | startswith(\"$mark\"))][0].id // empty" | head -n 1) || earlier=""
+    if [ -n "$earlier" ]; then
+        gh api --silent --method PATCH "repos/$GITHUB_REPOSITORY/issues/comments/$earlier" -F "body=@$folder/comment.md"
+    else
+        gh pr comment "$NUMBER" --repo "$GITHUB_REPOSITORY" --body-file "$folder/comment.md"
+    fi || echo "::warning::no comment: the job needs the permission pull-requests: write; the changes are in its summary"
+fi

@@ -1,0 +1,194 @@
+"""Programs in review: the action for GitHub, GitLab's template, hooks for pre-commit, and git's own differences."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+from cspdiag.draw.layout.elk import engine_available
+
+ROOT = Path(__file__).parents[2]
+REVIEW = ROOT / "distribution" / "review"
+PROGRAM = """\
+process Relay {
+  in  given : int
+  out taken : int
+
+  communication {
+    var held : int = 0
+  }
+
+  composition {
+    mu (given ? held ; taken ! held)
+  }
+}
+"""
+
+
+def git(folder: Path, *arguments: str) -> str:
+    identity = ("-c", "user.name=A", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false")
+    done = subprocess.run(["git", *identity, *arguments], cwd=folder, check=True, capture_output=True, text=True)
+    return done.stdout.strip()
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    """A repository with a remote one, and a program in a folder."""
+    subprocess.run(["git", "init", "--quiet", "--bare", tmp_path / "remote.git"], check=True)
+    folder = tmp_path / "my programs"
+    (folder / "the models").mkdir(parents=True)
+    git(folder, "init", "--quiet", "--initial-branch=main")
+    git(folder, "remote", "add", "origin", str(tmp_path / "remote.git"))
+    (folder / "the models" / "relay.csp").write_text(PROGRAM)
+    git(folder, "add", "--all")
+    git(folder, "commit", "--quiet", "--message", "first")
+    return folder
+
+
+def run(folder: Path, script: str, *arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
+    """Run a script of the action with a ``gh`` that writes down what it is called with."""
+    tools = folder.parent / "tools"
+    tools.mkdir(exist_ok=True)
+    gh = tools / "gh"
+    gh.write_text(
+        '#!/bin/sh\nprintf "%s\\n" "$*" >> "$CALLS"\n'
+        'case "$2" in --paginate) printf "%s" "$EARLIER" ;; esac\n'
+        'exit "${GH_STATUS:-0}"\n'
+    )
+    gh.chmod(0o755)
+    environment = {
+        **os.environ,
+        "PATH": f"{tools}:{Path(sys.executable).parent}:{os.environ['PATH']}",
+        "RUNNER_TEMP": str(folder.parent / "temporary"),
+        "GITHUB_STEP_SUMMARY": str(folder.parent / "summary.md"),
+        "GITHUB_SERVER_URL": "https://git.example",
+        "GITHUB_REPOSITORY": "owner/programs",
+        "CALLS": str(folder.parent / "calls"),
+        "EARLIER": "",
+        "NUMBER": "7",
+        "COMMENT": "true",
+        "PICTURES_BRANCH": "",
+        "BASE": git(folder, "rev-parse", "main"),
+        **settings,
+    }
+    return subprocess.run(
+        ["bash", str(REVIEW / script), *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
+def test_a_pull_request_gets_its_changes_with_pictures(repository: Path) -> None:
+    base = git(repository, "rev-parse", "main")
+    program = repository / "the models" / "relay.csp"
+    program.write_text(PROGRAM.replace("out taken : int", "out taken : int @ 2 ms"))
+    git(repository, "commit", "--quiet", "--all", "--message", "second")
+    done = run(repository, "changes.sh", BASE=base, PICTURES_BRANCH="pictures")
+    assert done.returncode == 0, done.stderr
+    summary = (repository.parent / "summary.md").read_text()
+    assert "! port taken: period none → 2 ms\n" in summary
+    (address,) = re.findall(r"\(https://git.example/owner/programs/raw/(\w+)/the%20models/relay.png\)", summary)
+    assert git(repository, "ls-remote", "origin", "refs/heads/pictures/7").split()[0] == address
+    assert (
+        git(repository, "show", "--name-only", "--format=%s", address)
+        == "Pictures of pull request 7\n\nthe models/relay.png"
+    )
+    assert git(repository, "status", "--short") == ""
+    assert (repository.parent / "calls").read_text().splitlines()[1].startswith("pr comment 7 --repo owner/programs")
+    again = run(repository, "changes.sh", BASE=base, EARLIER="1234")
+    assert again.returncode == 0
+    assert "--method PATCH repos/owner/programs/issues/comments/1234" in (repository.parent / "calls").read_text()
+
+
+@pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
+def test_without_permissions_the_changes_are_in_the_summary(repository: Path) -> None:
+    base = git(repository, "rev-parse", "main")
+    (repository / "the models" / "relay.csp").write_text(PROGRAM.replace("held", "kept"))
+    git(repository, "remote", "set-url", "origin", str(repository.parent / "nowhere"))
+    done = run(repository, "changes.sh", BASE=base, PICTURES_BRANCH="pictures", GH_STATUS="1")
+    assert done.returncode == 0, done.stderr
+    assert "::warning::the pictures could not be pushed" in done.stderr
+    assert "::warning::no comment" in done.stdout
+    assert "is now called kept" in (repository.parent / "summary.md").read_text()
+    nothing = run(repository, "changes.sh", BASE="nowhere")
+    assert nothing.returncode != 0
+
+
+def test_all_programs_are_checked_and_verified(repository: Path) -> None:
+    assert run(repository, "check.sh", "check").returncode == 0
+    assert run(repository, "check.sh", "verify").returncode == 0
+    (repository / "wrong.csp").write_text(PROGRAM.replace("? held", "? hold"))
+    git(repository, "add", "--all")
+    done = run(repository, "check.sh", "check")
+    assert (done.returncode, "::error file=wrong.csp,line=10" in done.stdout) == (1, True)
+    assert run(repository, "check.sh", "verify").returncode != 0
+    assert run(repository, "check.sh", "check", FILES="*.dsp").returncode == 1
+
+
+def test_the_hooks_call_commands_that_exist(repository: Path) -> None:
+    hooks = YAML(typ="safe").load((ROOT / ".pre-commit-hooks.yaml").read_text())
+    program = repository / "the models" / "relay.csp"
+    wrong = repository / "wrong.csp"
+    wrong.write_text(PROGRAM.replace("? held", "? hold"))
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    assert [hook["id"] for hook in hooks] == ["cspdiag-fmt", "cspdiag-check", "cspdiag-verify"]
+    for hook in hooks:
+        for files, works in (([program], True), ([program, wrong], hook["id"] == "cspdiag-fmt")):
+            command = f'{hook["entry"]} "$@"' if "bash" not in hook["entry"] else hook["entry"] + ' "$@"'
+            done = subprocess.run(
+                ["bash", "-c", command, "hook", *files],
+                env={**os.environ, "PATH": path},
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+            assert (done.returncode == 0) == works, (hook["id"], done.stderr)
+    subprocess.run(
+        [shutil.which("cspdiag", path=path) or "", "check", "--server-stop"], check=False, capture_output=True
+    )
+
+
+def test_differences_of_git_name_the_definition_and_leave_layout_out(
+    repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the lines of docs/review.md."""
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
+    lines = re.findall(r"^    (echo .*|git config .*)$", (ROOT / "docs" / "review.md").read_text(), re.MULTILINE)
+    assert len(lines) == 3
+    for line in lines:
+        subprocess.run(["sh", "-c", line], cwd=repository, check=True)
+    program = repository / "the models" / "relay.csp"
+    program.write_text(PROGRAM.replace("mu (given", "mu (skip ; given"))
+    assert re.search(r"^@@ .* @@ process Relay \{$", git(repository, "diff"), re.MULTILINE)
+    program.write_text(PROGRAM.replace("  ", "      "))
+    assert git(repository, "diff", "--", "*.csp").count("\n@@") == 0
+    program.write_text("process {")
+    assert "\n+process {" in git(repository, "diff")
+
+
+@pytest.mark.parametrize(
+    ("file", "schema"),
+    [
+        ("action.yml", ["vendor.github-actions"]),
+        ("distribution/review/gitlab.yml", ["vendor.gitlab-ci", "--data-transform", "gitlab-ci"]),
+    ],
+)
+def test_files_follow_their_schemas(file: str, schema: list[str]) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "check_jsonschema", "--builtin-schema", *schema, ROOT / file],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
