@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar, assert_never
 
-from .kernel.durations import ms, ns, s, shown, us
+from .kernel.durations import duration_of, shown
 from .kernel.exceptions import described
 from .kernel.signals import name_of_signal
 from .kernel.stopping import HandlerFailed, Stopped, stopping
@@ -20,9 +19,6 @@ from .outcome import Outcome
 from .outside.drivers import Driver
 from .outside.job_control import stay_running
 from .outside.standard_streams import keep, standard_error, standard_output
-
-_UNITS = {"ns": ns, "us": us, "ms": ms, "s": s, "min": 60 * s}
-
 
 UNSUCCESSFUL, WRONG_USAGE, BROKEN_PIPE = 1, 2, 141
 
@@ -53,6 +49,8 @@ def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None
         try:
             with stopping.raising():
                 given, environment, network = _prepared(name, load, arguments)
+                if given.tune is not None:
+                    _tune(name, network, given)
                 stay_running(real_time=given.real_time)
         except Stopped as stopped:
             return _say(f"{name}: stopped by {name_of_signal(stopped.signal)} before it began", stopped.exit_code)
@@ -66,7 +64,8 @@ def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None
             real_time=given.real_time,
             on_miss=getattr(environment, "on_miss", "timeout"),
         )
-        return _print_account("\n".join(_summary(outcome)), outcome.exit_code)
+        account = [*_summary(outcome), *_refused_changes(network)]
+        return _print_account("\n".join(account), outcome.exit_code)
 
 
 def _prepared(
@@ -86,6 +85,28 @@ def _built(program: Program, drivers: Mapping[str, Driver], environment: Any) ->
     """The network, with the parameters of its environment if there are any."""
     parameters = getattr(environment, "parameters", None)
     return program.build(drivers) if parameters is None else program.build(drivers, parameters)
+
+
+def _tune(name: str, network: Network, given: argparse.Namespace) -> None:
+    """Plan the changes of parameters in a file, or those that standard input has, or will have in real time."""
+    from .tuning import changes_in, read_while_running
+
+    if not network.parameters.names:
+        sys.exit(_say(f"{name} has no parameters that --tune could change", WRONG_USAGE))
+
+    def report(text: str) -> None:
+        _say_line(f"{name}: {text}")
+
+    if given.tune == "-" and given.real_time:
+        read_while_running(network, report)
+        return
+    try:
+        with open(0 if given.tune == "-" else given.tune, encoding="utf-8") as lines:
+            network.parameters.plan(list(changes_in(network.parameters, lines, report)))
+    except OSError as error:
+        sys.exit(_say(f"--tune {given.tune}: {error.strerror}", WRONG_USAGE))
+    except UnicodeDecodeError:
+        sys.exit(_say(f"--tune {given.tune}: is not text", WRONG_USAGE))
 
 
 def _attempt(name: str, make: Callable[[], T]) -> T:
@@ -145,17 +166,6 @@ def _drop_standard_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), standard_output().fileno())
 
 
-def duration(text: str) -> int:
-    """``20s`` or ``1.5 ms`` in nanoseconds; ValueError for anything else."""
-    match = re.fullmatch(r"(\d+(?:\.\d*)?|\.\d+)\s*(ns|us|ms|s|min)", text.strip())
-    if match is None:
-        raise ValueError(f"{text!r} is not a duration such as 20s or 500ms (there are {', '.join(_UNITS)})")
-    nanoseconds = float(match[1]) * _UNITS[match[2]]
-    if nanoseconds > 2**63 - 1:
-        raise ValueError(f"{text!r} is longer than 292 years")
-    return round(nanoseconds)
-
-
 class _Parser(argparse.ArgumentParser):
     def print_help(self, file: object = None) -> None:
         # The method of the base class is silent about a help text that cannot be written.
@@ -167,7 +177,7 @@ class _Parser(argparse.ArgumentParser):
 def _limit(text: str) -> int:
     """A duration. Raises ArgumentTypeError with what is wrong: argparse does not show the text of a ValueError."""
     try:
-        return duration(text)
+        return duration_of(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 
@@ -185,7 +195,20 @@ def _parser(name: str, environments: Mapping[str, Callable[[], Any]]) -> argpars
         )
     parser.add_argument("--for", dest="limit", type=_limit, metavar="TIME", help="the time limit, such as 20s")
     parser.add_argument("--real-time", action="store_true", help="run against the clock, not in virtual time")
+    parser.add_argument(
+        "--tune",
+        nargs="?",
+        const="-",
+        metavar="FILE",
+        help="change parameters while it runs, by lines such as `at 2 s gains.kp = 3`; without FILE from standard "
+        "input, in real time as they come",
+    )
     return parser
+
+
+def _refused_changes(network: Network) -> Iterator[str]:
+    for change, why in network.parameters.refused:
+        yield f"{change.parameter} was not changed at {shown(change.time)}: {why}"
 
 
 def _summary(outcome: Outcome) -> Iterator[str]:

@@ -7,14 +7,14 @@ import sys
 
 import pytest
 
-from cspdiag.runtime.command_line import duration
+from cspdiag.runtime.kernel.durations import duration_of
 
 
 @pytest.mark.parametrize(
     ("text", "nanoseconds"), [("20s", 20_000_000_000), ("1.5 ms", 1_500_000), (".5us", 500), ("2min", 120_000_000_000)]
 )
 def test_durations(text: str, nanoseconds: int) -> None:
-    assert duration(text) == nanoseconds
+    assert duration_of(text) == nanoseconds
 
 
 @pytest.mark.parametrize(
@@ -27,7 +27,7 @@ def test_durations(text: str, nanoseconds: int) -> None:
 )
 def test_an_invalid_duration_is_refused_with_a_reason(text: str, reason: str) -> None:
     with pytest.raises(ValueError, match=r"^.9*(1h|20|9s). is ") as refused:
-        duration(text)
+        duration_of(text)
     assert reason in str(refused.value)
 
 

@@ -46,6 +46,7 @@ class Project:
     devices: bool
     requirements: list[tuple[str, tuple[str, ...]]]
     """What devices need: the name of an extra, and its requirements."""
+    tunable: bool
 
 
 def project_view(network: Network, names: PackageNames, modules: ExternalModules) -> Project:
@@ -70,6 +71,7 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
         installed=installed_modules(network, modules),
         devices=bool(devices),
         requirements=[(device.extra, device.requirements) for device in devices if device.requirements],
+        tunable=bool(network.parameters),
     )
 
 

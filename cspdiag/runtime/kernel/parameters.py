@@ -48,6 +48,12 @@ class ProgramParameters:
         self.refused: list[tuple[Change, str]] = []
         """Changes that were not made, and why."""
 
+    @property
+    def names(self) -> list[str]:
+        """The names of the parameters, without those of the constants that follow."""
+        declared = (one for one in vars(self).values() if isinstance(one, Parameter))
+        return [one.name for one in declared if one.accepts is not None]
+
     def follow(self) -> None:
         """Compute the constants that follow from the parameters."""
 

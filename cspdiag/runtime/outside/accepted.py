@@ -10,6 +10,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable
 from enum import IntEnum
+from functools import partial
 from math import isinf
 from typing import Any, TypeAlias, TypeVar
 
@@ -64,24 +65,26 @@ def boolean(value: Any) -> bool:
 
 def integer(of: Callable[[int], int]) -> Accept:
     """An integer that ``of``, such as ``int8``, takes."""
+    return partial(take_integer, of)
 
-    def accept(value: Any) -> int:
-        if not _is_integer(value):
-            raise TypeError(f"{value!r} is no integer")
-        return of(operator.index(value))
 
-    return accept
+def take_integer(of: Callable[[int], int], value: Any) -> int:
+    """See ``integer``."""
+    if not _is_integer(value):
+        raise TypeError(f"{value!r} is no integer")
+    return of(operator.index(value))
 
 
 def enumeration(of: type[Enumerator]) -> Callable[[Any], Enumerator]:
     """A member of an enum of the program, or its number."""
+    return partial(take_member, of)
 
-    def accept(value: Any) -> Enumerator:
-        if not _is_integer(value):
-            raise TypeError(f"{value!r} is no {of.__name__}")
-        return of(operator.index(value))
 
-    return accept
+def take_member(of: type[Enumerator], value: Any) -> Enumerator:
+    """See ``enumeration``."""
+    if not _is_integer(value):
+        raise TypeError(f"{value!r} is no {of.__name__}")
+    return of(operator.index(value))
 
 
 def text(value: Any) -> str:
@@ -93,22 +96,24 @@ def text(value: Any) -> str:
 
 def array(element: Accept, size: int) -> Accept:
     """A sequence of ``size`` elements, as a tuple."""
+    return partial(take_elements, element, size)
 
-    def accept(value: Any) -> tuple[Any, ...]:
-        parts = _parts(value, size)
-        return tuple([element(part) for part in parts])
 
-    return accept
+def take_elements(element: Accept, size: int, value: Any) -> tuple[Any, ...]:
+    """See ``array``."""
+    parts = _parts(value, size)
+    return tuple([element(part) for part in parts])
 
 
 def record(made: Callable[..., Any], *fields: Accept) -> Accept:
     """A sequence of the fields of a struct, as the struct; ``made`` is its class."""
+    return partial(take_fields, made, fields)
 
-    def accept(value: Any) -> Any:
-        parts = _parts(value, len(fields))
-        return made(*[field(part) for field, part in zip(fields, parts, strict=True)])
 
-    return accept
+def take_fields(made: Callable[..., Any], fields: tuple[Accept, ...], value: Any) -> Any:
+    """See ``record``."""
+    parts = _parts(value, len(fields))
+    return made(*[field(part) for field, part in zip(fields, parts, strict=True)])
 
 
 def _kind(value: Any) -> str:

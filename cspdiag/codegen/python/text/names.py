@@ -36,7 +36,7 @@ MEMBERS = words(
 PROCESS_MEMBERS = MEMBERS | words("kind steps start end fail blame checked tracked _enclosing")
 """The same with those of ``Routine``: a generated process has the same names at every level of optimization."""
 
-PARAMETERS_MEMBERS = words("self follow next_change plan reach refused _coming _lock _made")
+PARAMETERS_MEMBERS = words("self names follow next_change plan reach refused _coming _lock _made")
 """The names that the base class ``ProgramParameters`` defines."""
 MODULES = words("network constants types exceptions runtime environments external devices")
 """Modules of a generated package, which no class may be stored in."""
