@@ -181,7 +181,7 @@ def test_without_a_debugger_the_program_continues(package: Path) -> None:
     assert lines[2:] == BOTH
 
 
-def superloop(folder: Path, program: str, main: str) -> list[str]:
+def superloop(folder: Path, program: str, main: str, *options: str, status: int = 0) -> list[str]:
     """What a superloop writes that includes nothing of the program but the header of its step interface."""
     need("arm-none-eabi-gcc", "qemu-system-arm")
     for path, text in pipeline.generate(network_of(read(program)), read, "c", 1).items():
@@ -192,10 +192,11 @@ def superloop(folder: Path, program: str, main: str) -> list[str]:
     sources = [file for file in sorted(folder.rglob("*.c")) if file.name not in hosted]
     sources = [file for file in sources if not any(part in file.name for part in left_out)]
     loop, made = HERE / "cortex_m" / main, folder / "superloop.elf"
-    run("arm-none-eabi-gcc", *PROCESSOR, *compiling(folder), *sources, loop, *LINKED, "-o", made)
+    processor = options if any(option.startswith("-mcpu") for option in options) else (*PROCESSOR, *options)
+    run("arm-none-eabi-gcc", *processor, *compiling(folder), *sources, loop, *LINKED, "-o", made)
     command: list[str | Path] = [*MACHINE, *CLOCK, "-kernel", made]
     completed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert completed.returncode == 0, completed.stderr
+    assert completed.returncode == status, completed.stderr
     return completed.stdout.splitlines()
 
 
@@ -207,3 +208,21 @@ def test_no_event_of_an_interrupt_is_lost_unreported(tmp_path: Path) -> None:
 def test_an_interrupt_stops_the_spindle(tmp_path: Path) -> None:
     lines = superloop(tmp_path, "models/emergency/emergency.csp", "emergency.c")
     assert lines == ["brake off", "brake on", "halted", "brake is safe", "not halted", "ended by itself"]
+
+
+@pytest.mark.parametrize(
+    ("trouble", "processor"),
+    [("bad pointer", PROCESSOR), ("undefined instruction", PROCESSOR), ("undefined instruction", CORTEX_M0)],
+)
+def test_a_fault_of_the_processor_in_a_law_releases_the_outputs_and_is_reported(
+    trouble: str, processor: tuple[str, ...], tmp_path: Path
+) -> None:
+    options = (*processor, f'-DTROUBLE="{trouble}"')
+    lines = superloop(tmp_path, "tests/c_kernel/devices/heating.csp", "heating.c", *options, status=1)
+    safe, cause = ["power is safe", "lamp is safe"], "running: Heating.heater (last waited at heating.csp:2)"
+    assert lines == [*safe, cause, "at an instruction"]
+
+
+def test_a_value_of_a_law_that_is_not_finite_is_reported_before_the_outputs_are_released(tmp_path: Path) -> None:
+    lines = superloop(tmp_path, "tests/c_kernel/devices/heating.csp", "heating.c", '-DTROUBLE="nan"')
+    assert lines == ["failed", "fault", "Heating", "heater", "heating.csp:2", "power is safe", "lamp is safe", "ended"]

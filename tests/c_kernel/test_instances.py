@@ -168,6 +168,28 @@ def test_the_longest_times_are_those_that_the_timing_analysis_reads(tmp_path: Pa
     assert (found.path, found.longest, found.what) == ("Machine", 10_000, "thread")
 
 
+def test_a_failure_is_reported_once_before_the_outputs_are_released(machine: Path) -> None:
+    assert run(machine, "fail").splitlines() == [
+        "failed 0",
+        "failed 1, cause 0 at 6 ms in Machine, machine.csp:14; released 0",
+        "failed 1, cause 1 at 10 ms in Machine, machine.csp:14; released 0",
+    ]
+
+
+def test_communications_are_traced_where_the_sources_are_compiled_for_it(machine: Path, tmp_path: Path) -> None:
+    assert run(machine, "trace").splitlines() == ["the hook `trace` needs -DCSP_TRACE_HOOK=1"]
+    main = HERE / "devices" / "interface.c"
+    traced = by_the_interface(tmp_path, "tests/c_kernel/devices/machine.csp", main, "gcc", "-DCSP_TRACE_HOOK=1")
+    assert run(traced, "trace").splitlines() == [
+        "2000 us: Machine.level 0>1 1",
+        "4000 us: Machine.drive 1>0 1",
+        "4000 us: Machine.level 0>1 2",
+        "5000 us: Machine.button 0>1 1",
+        "5000 us: Machine.lamp 1>0 1",
+        'process Machine, no channel "", no process ""',
+    ]
+
+
 @pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
 def test_no_event_of_another_thread_is_lost_unreported(sanitizer: str, tmp_path: Path) -> None:
     need("gcc")

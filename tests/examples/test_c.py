@@ -43,7 +43,7 @@ def test_posix(examples: Path) -> None:
     need("cc", "make")
     example = examples / "posix"
     package = compiled(example)
-    run("make", "-s", "-C", package, "tank.o")
+    run("make", "-s", "-C", package, "CFLAGS=-O2 -DCSP_TRACE_HOOK=1", "tank.o")
     sources = ("main.c", package / "tank.o", "-lm", "-pthread")
     run("cc", "-std=c99", "-O2", *WARNINGS, f"-I{package}", *sources, "-o", "tank", cwd=example)
     lines = run(example / "tank", "100").splitlines()

@@ -21,6 +21,8 @@ void board_restore_interrupts(uint32_t before);
 /* Makes the interrupt of the button come, which calls on_button. */
 void board_press_button(void);
 void on_button(void);
+/* Called after a fault of the processor; the board stops when it returns. */
+void on_fault(void);
 void board_write(const char *text);
 
 #endif

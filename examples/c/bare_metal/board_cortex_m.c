@@ -20,6 +20,11 @@ void board_start(void)
     ENABLED_INTERRUPTS = BUTTON;
 }
 
+void csp_port_release(void)
+{
+    on_fault();
+}
+
 int64_t board_now(void)
 {
     return csp_port_now();

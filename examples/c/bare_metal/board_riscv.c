@@ -44,8 +44,9 @@ __attribute__((interrupt("machine"), aligned(4))) static void on_trap(void)
     } else if (cause == 0x80000007U) {
         COMPARE_HIGH = UINT32_MAX; /* it has come */
     } else {
+        on_fault();
         board_write("fault of the processor\n");
-        FINISHER = FAILURE; /* with a machine behind it: tank_release first */
+        FINISHER = FAILURE;
     }
 }
 

@@ -69,6 +69,15 @@ void on_button(void)
     (void)tank_button(tank, true);
 }
 
+void on_fault(void)
+{
+    char text[120];
+    tank_release(tank);
+    tank_describe(tank, text, sizeof text); /* "running: Tank (last waited at tank.csp:14)" */
+    board_write(text);
+    board_write("\n");
+}
+
 int main(void)
 {
     static const tank_hooks hooks = {

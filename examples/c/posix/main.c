@@ -53,6 +53,49 @@ static void actuate(void *context, tank_output output, const tank_outputs *outpu
     }
 }
 
+/* ---- A recorder of the last communications, which are shown if the run fails ---- */
+
+enum { RECORDED = 8 };
+
+typedef struct record {
+    int64_t instant;
+    uint32_t port; /* the tank has no channels inside */
+    double value;
+} record;
+
+static record recorded[RECORDED];
+static unsigned count_of_recorded;
+
+static void trace(void *context, const tank_communication *communication)
+{
+    record *const next = &recorded[count_of_recorded % RECORDED];
+    bool truth = false;
+    (void)context;
+    next->instant = communication->instant;
+    next->port = communication->channel;
+    if ((next->port == TANK_PORT_LEVEL) || (next->port == TANK_PORT_OPENING)) {
+        (void)memcpy(&next->value, communication->value, sizeof next->value);
+    } else {
+        (void)memcpy(&truth, communication->value, sizeof truth);
+        next->value = truth ? 1.0 : 0.0;
+    }
+    count_of_recorded++;
+}
+
+static void fault(void *context, const tank_instance *self)
+{
+    const unsigned first = (count_of_recorded > RECORDED) ? (count_of_recorded - RECORDED) : 0U;
+    tank_failure failure;
+    (void)context;
+    if (tank_diagnose(self, &failure) && (failure.place != NULL)) {
+        (void)fprintf(stderr, "failed at %s\n", failure.place);
+    }
+    for (unsigned index = first; index < count_of_recorded; index++) {
+        const record *const one = &recorded[index % RECORDED];
+        (void)fprintf(stderr, "%.3f s %s %g\n", (double)one->instant / 1e9, tank_channel_name(one->port), one->value);
+    }
+}
+
 /* ---- Events come from other threads ---- */
 
 static pthread_mutex_t events;
@@ -146,7 +189,7 @@ static void *operate(void *delay)
 int main(int count, char **arguments)
 {
     static const tank_hooks hooks = {
-        .real_time = true, .sample = sample, .actuate = actuate, .lock = lock, .unlock = unlock};
+        .real_time = true, .sample = sample, .actuate = actuate, .lock = lock, .unlock = unlock, .trace = trace, .fault = fault};
     static long delay = 2000;
     const struct sigaction stopping = {.sa_handler = on_signal};
     const char *reason = NULL;

@@ -209,6 +209,11 @@ struct csp_kernel {
     const csp_medium *volatile called; /* for reports: the port whose device function is being called; NULL: none */
 };
 
+#ifndef CSP_TRACE_HOOK
+#define CSP_TRACE_HOOK 0 /* without CSP_TRACE: whether the hook `trace` is called at communications */
+#endif
+void csp_call_trace(csp_kernel *csp, uint32_t channel, const void *value, uint32_t writer, uint32_t reader);
+
 #if CSP_TRACE
 /* To be defined by the main of the program. A communication: the number of the channel or external port, the value, and the numbers of the
  * processes that write and read, 0 for the environment. */
@@ -229,7 +234,11 @@ void csp_observe_end(csp_kernel *csp, uint32_t number);
         csp_observe(csp, (channel), &(slot), party->number, party->number);                                                 \
     } while (0)
 #else
+#if CSP_TRACE_HOOK
+#define csp_observe(csp, channel, value, writer, reader) csp_call_trace((csp), (channel), (value), (writer), (reader))
+#else
 #define csp_observe(csp, channel, value, writer, reader) ((void)(csp), (void)(channel), (void)(value), (void)(writer), (void)(reader))
+#endif
 #define csp_observe_sample(csp, port, value) ((void)(csp), (void)(port), (void)(value))
 #define csp_observe_release(csp, port, value) ((void)(csp), (void)(port), (void)(value))
 #define csp_observe_begin(csp, number) ((void)(csp), (void)(number))

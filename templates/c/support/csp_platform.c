@@ -49,7 +49,7 @@ static void met(void *context, int64_t instant)
 
 const csp_hooks *csp_port_hooks(void)
 {
-    static const csp_hooks in_virtual_time = {NULL, false, lock, unlock, wake, alive, NULL, NULL, NULL, 0};
-    static const csp_hooks in_real_time = {NULL, true, lock, unlock, wake, alive, met, NULL, NULL, 0};
+    static const csp_hooks in_virtual_time = {NULL, false, lock, unlock, wake, alive, NULL, NULL, NULL, NULL, 0};
+    static const csp_hooks in_real_time = {NULL, true, lock, unlock, wake, alive, met, NULL, NULL, NULL, 0};
     return csp_port_virtual_time ? &in_virtual_time : &in_real_time;
 }

@@ -45,6 +45,12 @@ void csp_port_fatal(const char *message);
 void csp_port_write(const char *text);
 void csp_port_exit(bool successful);
 void csp_port_tick(void);
+/* Called after a fault of the processor, exit, abort or a failed assertion, in thread mode where the processor can, with interrupts of devices disabled: sets all
+ * outputs to their safe values. The definition in the start-up code does so for csp_owned(); one of your own does it for instances of the step interface,
+ * by NAME_release. If a device function faults meanwhile, it is called again. */
+void csp_port_release(void);
+/* The address of the instruction at which a fault of the processor came first; 0: there was none, or its stack had overflowed. */
+uint32_t csp_port_faulted_at(void);
 /* Stops the processor until an interrupt is pending, although interrupts are masked. The definition in the port of Cortex-M is one `wfi`, and is
  * replaced by one of your own, for a deeper sleep. */
 void csp_port_sleep(void);

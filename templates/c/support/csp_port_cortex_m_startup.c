@@ -37,7 +37,7 @@ enum { FLOATING_POINT = 0xF << 20, KEEPS_CONTEXT = 1, INTERRUPT_WORDS = 8, OF_HA
 
 enum { TO_THREAD_FROM_ANY_LEVEL = 1, SEMIHOSTING_CALL = 0xBEAB, FRAME = 8, AT_PC = 6, AT_STATE = 7, THUMB = 1 << 24 };
 
-enum { FAULT_STACK = 32 }; /* words of 64 bits */
+enum { FAULT_STACK = 32 /* words of 64 bits */, GUARDED = 64 * 1024 /* bytes below the stack */ };
 
 #define NO_DEBUGGER (UINT32_C(1) << 31U) /* a breakpoint without a debugger */
 
@@ -60,6 +60,7 @@ void abort(void);
 void __assert_func(const char *file, int line, const char *function, const char *expression);
 
 static volatile bool successful; /* the status of an exit in an interrupt handler */
+static volatile uint32_t faulted_at;
 
 /* Makes writes below the stack fault, if the processor has a memory protection unit. */
 static void guard_stack(void)
@@ -87,16 +88,26 @@ void csp_reset(void)
     csp_port_exit(main() == 0);
 }
 
+uint32_t csp_port_faulted_at(void)
+{
+    return faulted_at;
+}
+
+__attribute__((weak)) void csp_port_release(void)
+{
+    csp_release_outputs(csp_owned());
+}
+
 /* Runs in thread mode: if a device function faults here, this function is started again, and the next output is released. */
 static void after_fault(void)
 {
-    csp_release_outputs(csp_owned());
+    csp_port_release();
     csp_port_fatal("fault of the processor");
 }
 
 static void after_exit(void)
 {
-    csp_release_outputs(csp_owned());
+    csp_port_release();
     csp_port_exit(successful);
 }
 
@@ -193,11 +204,22 @@ static bool is_unheard(const uint32_t *frame)
     return *(const uint16_t *)(uintptr_t)frame[AT_PC] == (uint16_t)SEMIHOSTING_CALL;
 }
 
+/* Whether the frame is on the stack, not below it: there is no memory. */
+static bool is_on_stack(const uint32_t *frame)
+{
+    const uint32_t *volatile end = csp_stack_end;
+    const char *const begin = (const char *)csp_stack_guard + GUARDED;
+    return (csp_stack_guard != NULL) && ((const char *)frame >= begin) && (frame < end);
+}
+
 void csp_fault_entry(uint32_t *frame)
 {
     if (is_unheard(frame)) {
         frame[AT_PC] += 2U;
         return;
+    }
+    if ((faulted_at == 0U) && is_on_stack(frame)) {
+        faulted_at = frame[AT_PC];
     }
     if ((HAS_ARMV7 == 0) && ((frame[AT_STATE] & (uint32_t)OF_HANDLER) != 0U)) {
         after_fault(); /* in this handler: that of the interrupt would have to return first */

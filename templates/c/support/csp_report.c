@@ -346,10 +346,9 @@ static void append_whereabouts(csp_kernel *csp, const csp_place *place, char *te
 
 void csp_describe_at_work(csp_kernel *csp, char *text, size_t size)
 {
-    const csp_calls calls = csp_calls_now(csp);
     const csp_process *const process = present_process(csp);
     text[0] = '\0';
-    if (!calls.driving || (process == NULL)) {
+    if (process == NULL) {
         return;
     }
     const csp_place *const place = csp_place_of(process);

@@ -339,13 +339,77 @@ static void measure(void)
     machine_write_times(&times, 1000000U, put, stdout);
 }
 
+static void report_failure(void *context, const machine_instance *self)
+{
+    const plant *const of = context;
+    machine_failure failure;
+    (void)printf("failed %d", machine_diagnose(self, &failure));
+    (void)printf(", cause %d at %lld ms in %s, %s; released %d\n", (int)failure.cause, (long long)(failure.instant / MS),
+                 failure.process, failure.place, of->released);
+}
+
+static void fail(void)
+{
+    machine_hooks hooks = hooks_of(&devices);
+    hooks.fault = report_failure;
+    machine_instance *self = machine_begin(&memory, sizeof memory, &hooks, NULL);
+    (void)machine_advance(self, 5 * MS, 1000U);
+    machine_failure failure;
+    (void)printf("failed %d\n", machine_diagnose(self, &failure));
+    devices.level = NAN;
+    for (unsigned again = 0U; again < 2U; again++) {
+        (void)machine_advance(self, 30 * MS, 1000U);
+    }
+    devices.released = 0;
+    devices.level = 0.0;
+    hooks.real_time = true;
+    self = machine_begin(&memory, sizeof memory, &hooks, NULL);
+    (void)machine_advance(self, 3 * MS, 1000U);
+    (void)machine_advance(self, 10 * MS, 1000U);
+}
+
+static void traced(void *context, const machine_communication *communication)
+{
+    double real = 0.0;
+    bool truth = false;
+    (void)context;
+    (void)printf("%lld us: %s %lu>%lu ", (long long)(communication->instant / 1000),
+                 machine_channel_name(communication->channel), (unsigned long)communication->writer,
+                 (unsigned long)communication->reader);
+    if ((communication->channel == MACHINE_PORT_BUTTON) || (communication->channel == MACHINE_PORT_LAMP)) {
+        (void)memcpy(&truth, communication->value, communication->size);
+        (void)printf("%d\n", truth);
+    } else {
+        (void)memcpy(&real, communication->value, communication->size);
+        (void)printf("%g\n", real);
+    }
+}
+
+static void trace(void)
+{
+    machine_hooks hooks = hooks_of(&devices);
+    const char *reason = NULL;
+    hooks.trace = traced;
+    machine_instance *const self = machine_begin(&memory, sizeof memory, &hooks, &reason);
+    if (self == NULL) {
+        (void)printf("%s\n", reason);
+        return;
+    }
+    (void)machine_advance(self, 5 * MS, 1000U);
+    (void)machine_button(self, true);
+    (void)machine_advance(self, 10 * MS, 1000U);
+    (void)printf("process %s, no channel \"%s\", no process \"%s\"\n", machine_process_name(1U),
+                 machine_channel_name(99U), machine_process_name(99U));
+}
+
 int main(int count, char **arguments)
 {
     static const struct {
         const char *name;
         void (*run)(void);
     } parts[] = {{"refuse", refuse}, {"run", run}, {"reset", reset}, {"late", be_late}, {"bad", sample_badly},
-                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"resume", resume}, {"measure", measure}, {"very late", be_very_late}};
+                 {"restore", restore}, {"exchange", exchange}, {"keep", keep}, {"resume", resume}, {"measure", measure}, {"very late", be_very_late},
+                 {"fail", fail}, {"trace", trace}};
     for (size_t index = 0U; index < sizeof parts / sizeof parts[0]; index++) {
         if ((count > 1) && (strcmp(arguments[1], parts[index].name) == 0)) {
             parts[index].run();

@@ -43,6 +43,7 @@ class ApiText:
     inputs: bool
     outputs: bool
     events: bool
+    port_names: str
     ports: list[str]
     event_names: str
     event_declarations: list[str]
@@ -115,6 +116,7 @@ class Interface:
             inputs=bool(self.inputs),
             outputs=bool(self.outputs),
             events=bool(self.events),
+            port_names=self.port_names,
             ports=self.ports,
             event_names=self.event_names,
             event_declarations=self.event_declarations,
@@ -154,9 +156,19 @@ class Interface:
         ]
 
     def _names(self, word: str, ports: Sequence[ExternalPort]) -> list[str]:
-        literals = [f"    {self.literals[port.key]}," for port in ports]
-        literals[-1] = literals[-1].removesuffix(",")
-        return [f"typedef enum {self.prefix}_{word} {{", *literals, f"}} {self.prefix}_{word};"]
+        return self._enum(word, [self.literals[port.key] for port in ports])
+
+    def _enum(self, word: str, literals: Sequence[str]) -> list[str]:
+        rows = [f"    {literal}," for literal in literals]
+        rows[-1] = rows[-1].removesuffix(",")
+        return [f"typedef enum {self.prefix}_{word} {{", *rows, f"}} {self.prefix}_{word};"]
+
+    @cached_property
+    def port_names(self) -> str:
+        """The numbers of the ports in traces; empty if there are none."""
+        ports = self.network.external_ports
+        literals = [self.names.public_constant(f"PORT_{port.key}") for port in ports]
+        return "\n".join(self._enum("port", literals)) if literals else ""
 
     @property
     def event_names(self) -> str:

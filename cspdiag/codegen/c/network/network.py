@@ -126,7 +126,7 @@ class _NetworkFiles:
             about_names = "/* By number: variables that may be read before they were written. */"
             rows += [about_names, "extern const char *const network_variable_names[];", ""]
         rows += [
-            "#if CSP_TRACE || CSP_MEASURE",
+            "#if CSP_TRACE || CSP_MEASURE || CSP_TRACE_HOOK",
             "/* By number: channels and ports, and the sizes of their values; processes and groups. */",
         ]
         rows += ["extern const uint32_t network_channel_count;", "extern const char *const network_channel_names[];"]

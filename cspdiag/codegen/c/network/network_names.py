@@ -18,7 +18,7 @@ def names_file(network: Network, types: CTypes, described: Mapping[str, ProcessF
     processes, channels = numbering.processes, numbering.channels
     sizes = [f"sizeof({types.type_name(type_)})" for _, type_ in channels]
     rows = ['#include "network.h"', '#include "csp_arithmetic.h"', '#include "types.h"', ""]
-    rows += ["#if CSP_TRACE || CSP_MEASURE"]
+    rows += ["#if CSP_TRACE || CSP_MEASURE || CSP_TRACE_HOOK"]
     rows += [f"const uint32_t network_channel_count = {len(channels)}U;"]
     rows += _table("const char *const network_channel_names[]", [quoted(name) for name, _ in channels])
     rows += _table("const uint32_t network_channel_sizes[]", sizes or ["0"])

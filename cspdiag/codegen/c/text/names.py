@@ -89,13 +89,15 @@ FILES = (
 _INTERFACE = words(
     """
     memory instance input inputs output outputs event hooks state begin advance continues next hand_over finish
-    release stop save restore describe times write_times api types build size_suffices
+    release stop save restore describe times write_times port communication cause failure diagnose channel_name
+    process_name api types build size_suffices
     """
 )
 """What names of the interface end with, after the name of the package."""
 
 _INTERFACE_CONSTANTS = words(
-    "SIZE PROCESSES API_H TYPES_H MORE BUDGET REFUSED ENDED FAILED DEADLOCK STOPPED IN OUT EVENT"
+    "SIZE PROCESSES API_H TYPES_H MORE BUDGET REFUSED ENDED FAILED DEADLOCK STOPPED IN OUT EVENT "
+    "CAUSE_FAULT CAUSE_TIMEOUT CAUSE_EXCEPTION CAUSE_DEADLOCK"
 )
 """The same for its constants and macros."""
 

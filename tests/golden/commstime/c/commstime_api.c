@@ -60,6 +60,17 @@ static void measured(void *context, uint32_t process, uint32_t took)
 }
 #endif
 
+#if CSP_TRACE_HOOK
+static void trace(void *context, uint32_t channel, const void *value, uint32_t writer,
+    uint32_t reader)
+{
+    const commstime_instance *const self = context;
+    const commstime_communication communication = {
+        self->network.kernel.now, channel, writer, reader, value, network_channel_sizes[channel]};
+    self->hooks.trace(self->hooks.context, &communication);
+}
+#endif
+
 static void connect(commstime_instance *self)
 {
     const struct network_drivers drivers = {0};
@@ -88,6 +99,11 @@ static const char *refused(const void *memory, size_t size, const commstime_hook
     if (hooks == NULL) {
         return "there are no hooks";
     }
+#if !CSP_TRACE_HOOK
+    if (hooks->trace != NULL) {
+        return "the hook `trace` needs -DCSP_TRACE_HOOK=1";
+    }
+#endif
     return NULL;
 }
 
@@ -116,6 +132,11 @@ commstime_instance *commstime_begin(void *memory, size_t size,
     if ((given.cycles != NULL) && (given.times != NULL)) {
         self->kernel_hooks.cycles = cycles;
         self->kernel_hooks.measured = measured;
+    }
+#endif
+#if CSP_TRACE_HOOK
+    if (given.trace != NULL) {
+        self->kernel_hooks.trace = trace;
     }
 #endif
     (void)memcpy(self->build, build, sizeof build);
@@ -150,7 +171,13 @@ commstime_state commstime_advance(commstime_instance *self, int64_t until,
     default:
         return COMMSTIME_REFUSED;
     }
-    csp_release_outputs(&self->network.kernel);
+    if (csp_is_driving(&self->network.kernel)) {
+        if ((self->hooks.fault != NULL)
+            && ((state == COMMSTIME_FAILED) || (state == COMMSTIME_DEADLOCK))) {
+            self->hooks.fault(self->hooks.context, self);
+        }
+        csp_release_outputs(&self->network.kernel);
+    }
     return state;
 }
 
@@ -282,8 +309,71 @@ void commstime_describe(commstime_instance *self, char *text, size_t size)
         break;
     default:
         csp_append(text, size, "running");
+        if (csp->current != NULL) {
+            csp_append(text, size, ": ");
+            csp_describe_at_work(csp, &text[strlen(text)], size - strlen(text));
+        }
         break;
     }
+}
+
+static commstime_cause cause_of(const csp_error *error)
+{
+    switch (error->exception) {
+    case CSP_FAULT_EXCEPTION:
+        return COMMSTIME_CAUSE_FAULT;
+    case CSP_TIMEOUT_EXCEPTION:
+        return COMMSTIME_CAUSE_TIMEOUT;
+    default:
+        return COMMSTIME_CAUSE_EXCEPTION;
+    }
+}
+
+bool commstime_diagnose(const commstime_instance *self,
+    commstime_failure *failure)
+{
+    const csp_kernel *const csp = &self->network.kernel;
+    const csp_error *const error = &csp->error;
+    (void)memset(failure, 0, sizeof *failure);
+    failure->instant = csp->now;
+    failure->cause = COMMSTIME_CAUSE_DEADLOCK;
+    if (csp->ending != (uint8_t)CSP_FAILED) {
+        return csp->ending == (uint8_t)CSP_DEADLOCK;
+    }
+    failure->cause = cause_of(error);
+    if (error->process == NULL) {
+        return true;
+    }
+    failure->number = error->process->party.number;
+    failure->process = error->process->kind->name;
+    failure->inner = error->inner;
+    failure->law = error->law;
+    failure->place = (error->place != NULL) ? error->place : error->process->kind->where;
+    if (failure->cause == COMMSTIME_CAUSE_EXCEPTION) {
+        const uint32_t index = (uint32_t)error->exception - (uint32_t)CSP_FIRST_EXCEPTION;
+        failure->exception = network_program.exception_names[index];
+    }
+    return true;
+}
+
+const char *commstime_channel_name(uint32_t channel)
+{
+#if CSP_TRACE_HOOK
+    return (channel < network_channel_count) ? network_channel_names[channel] : "";
+#else
+    (void)channel;
+    return "";
+#endif
+}
+
+const char *commstime_process_name(uint32_t process)
+{
+#if CSP_TRACE_HOOK
+    return (process <= network_process_count) ? network_process_names[process] : "";
+#else
+    (void)process;
+    return "";
+#endif
 }
 
 void commstime_write_times(const commstime_times *times, uint32_t hertz,

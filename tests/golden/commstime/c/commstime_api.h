@@ -28,7 +28,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define COMMSTIME_SIZE 1088U
+#define COMMSTIME_SIZE 1112U
 typedef union commstime_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -46,6 +46,37 @@ typedef struct commstime_times {
     uint32_t process[COMMSTIME_PROCESSES];
     uint32_t instant;
 } commstime_times;
+
+/* A communication. Channels have numbers, first the ports, in the order of the text; so do
+ * processes, from 1, and 0 is the environment. commstime_channel_name and
+ * commstime_process_name say which they are.
+ */
+typedef struct commstime_communication {
+    int64_t instant;
+    uint32_t channel;
+    uint32_t writer;
+    uint32_t reader;
+    const void *value; /* of the type of the channel; valid during the call */
+    size_t size;
+} commstime_communication;
+
+/* Why a run has failed. What is not known, or does not apply, is NULL. */
+typedef enum commstime_cause {
+    COMMSTIME_CAUSE_FAULT,     /* of a computation, or of a device */
+    COMMSTIME_CAUSE_TIMEOUT,   /* a sample was overwritten untaken */
+    COMMSTIME_CAUSE_EXCEPTION, /* which the program has declared */
+    COMMSTIME_CAUSE_DEADLOCK   /* nothing can continue it */
+} commstime_cause;
+typedef struct commstime_failure {
+    commstime_cause cause;
+    int64_t instant;
+    uint32_t number;       /* of the process; 0: none */
+    const char *process;   /* its name in the program, */
+    const char *inner;     /* the process below it that the optimizer has inlined, */
+    const char *law;       /* and the control law in that */
+    const char *place;     /* in the text of the program: "tank.csp:12" */
+    const char *exception; /* its name */
+} commstime_failure;
 
 /* What the program asks of you. `context` is passed to all functions. */
 typedef struct commstime_hooks {
@@ -67,6 +98,14 @@ typedef struct commstime_hooks {
      */
     uint32_t (*cycles)(void *context);
     commstime_times *times;
+    /* If sources are compiled with -DCSP_TRACE_HOOK=1: each communication of a port, and of each
+     * channel that the optimizer has left, when its value has been passed. May be NULL.
+     */
+    void (*trace)(void *context, const commstime_communication *communication);
+    /* The run has failed: commstime_diagnose says why. Safe values are handed over next. May be
+     * NULL.
+     */
+    void (*fault)(void *context, const commstime_instance *self);
 } commstime_hooks;
 
 typedef enum commstime_state {
@@ -128,10 +167,20 @@ void commstime_save(const commstime_instance *self, commstime_memory *copy);
  */
 bool commstime_restore(commstime_instance *self, const commstime_memory *copy);
 
-/* Writes what has failed and where, or which processes wait for what: at most `size` characters,
- * including the terminating 0.
+/* Writes what has failed and where, or which processes wait for what; in a fault handler of the
+ * processor, which process was running. At most `size` characters, including the terminating 0.
  */
 void commstime_describe(commstime_instance *self, char *text, size_t size);
+
+/* Why the run has failed, without a text; false: it has not. */
+bool commstime_diagnose(const commstime_instance *self,
+    commstime_failure *failure);
+
+/* The name of a channel or port, and of a process; "" if there is none of this number, or sources
+ * are compiled without -DCSP_TRACE_HOOK=1.
+ */
+const char *commstime_channel_name(uint32_t channel);
+const char *commstime_process_name(uint32_t process);
 
 /* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if
  * sources are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.

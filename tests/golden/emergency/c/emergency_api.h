@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define EMERGENCY_SIZE 1872U
+#define EMERGENCY_SIZE 1896U
 typedef union emergency_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -74,6 +74,45 @@ typedef struct emergency_times {
     uint32_t instant;
 } emergency_times;
 
+/* A communication. Channels have numbers, first the ports, in the order of the text; so do
+ * processes, from 1, and 0 is the environment. emergency_channel_name and
+ * emergency_process_name say which they are.
+ */
+typedef enum emergency_port {
+    EMERGENCY_PORT_PANEL,
+    EMERGENCY_PORT_FEEDBACK,
+    EMERGENCY_PORT_CONTROL,
+    EMERGENCY_PORT_BRAKE,
+    EMERGENCY_PORT_HALTED
+} emergency_port;
+
+typedef struct emergency_communication {
+    int64_t instant;
+    uint32_t channel;
+    uint32_t writer;
+    uint32_t reader;
+    const void *value; /* of the type of the channel; valid during the call */
+    size_t size;
+} emergency_communication;
+
+/* Why a run has failed. What is not known, or does not apply, is NULL. */
+typedef enum emergency_cause {
+    EMERGENCY_CAUSE_FAULT,     /* of a computation, or of a device */
+    EMERGENCY_CAUSE_TIMEOUT,   /* a sample was overwritten untaken */
+    EMERGENCY_CAUSE_EXCEPTION, /* which the program has declared */
+    EMERGENCY_CAUSE_DEADLOCK   /* nothing can continue it */
+} emergency_cause;
+typedef struct emergency_failure {
+    emergency_cause cause;
+    int64_t instant;
+    uint32_t number;       /* of the process; 0: none */
+    const char *process;   /* its name in the program, */
+    const char *inner;     /* the process below it that the optimizer has inlined, */
+    const char *law;       /* and the control law in that */
+    const char *place;     /* in the text of the program: "tank.csp:12" */
+    const char *exception; /* its name */
+} emergency_failure;
+
 /* What the program asks of you. `context` is passed to all functions. */
 typedef struct emergency_hooks {
     void *context;
@@ -108,6 +147,14 @@ typedef struct emergency_hooks {
      */
     uint32_t (*cycles)(void *context);
     emergency_times *times;
+    /* If sources are compiled with -DCSP_TRACE_HOOK=1: each communication of a port, and of each
+     * channel that the optimizer has left, when its value has been passed. May be NULL.
+     */
+    void (*trace)(void *context, const emergency_communication *communication);
+    /* The run has failed: emergency_diagnose says why. Safe values are handed over next. May be
+     * NULL.
+     */
+    void (*fault)(void *context, const emergency_instance *self);
 } emergency_hooks;
 
 typedef enum emergency_state {
@@ -169,10 +216,20 @@ void emergency_save(const emergency_instance *self, emergency_memory *copy);
  */
 bool emergency_restore(emergency_instance *self, const emergency_memory *copy);
 
-/* Writes what has failed and where, or which processes wait for what: at most `size` characters,
- * including the terminating 0.
+/* Writes what has failed and where, or which processes wait for what; in a fault handler of the
+ * processor, which process was running. At most `size` characters, including the terminating 0.
  */
 void emergency_describe(emergency_instance *self, char *text, size_t size);
+
+/* Why the run has failed, without a text; false: it has not. */
+bool emergency_diagnose(const emergency_instance *self,
+    emergency_failure *failure);
+
+/* The name of a channel or port, and of a process; "" if there is none of this number, or sources
+ * are compiled without -DCSP_TRACE_HOOK=1.
+ */
+const char *emergency_channel_name(uint32_t channel);
+const char *emergency_process_name(uint32_t process);
 
 /* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if
  * sources are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.

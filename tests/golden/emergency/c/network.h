@@ -51,7 +51,7 @@ bool network_bring_panel(struct network *self, enum emergency_button value);
 
 extern const csp_program network_program;
 
-#if CSP_TRACE || CSP_MEASURE
+#if CSP_TRACE || CSP_MEASURE || CSP_TRACE_HOOK
 /* By number: channels and ports, and the sizes of their values; processes and groups. */
 extern const uint32_t network_channel_count;
 extern const char *const network_channel_names[];

@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define JIWY_SIZE 7768U
+#define JIWY_SIZE 7792U
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -78,6 +78,47 @@ typedef struct jiwy_times {
     uint32_t instant;
 } jiwy_times;
 
+/* A communication. Channels have numbers, first the ports, in the order of the text; so do
+ * processes, from 1, and 0 is the environment. jiwy_channel_name and
+ * jiwy_process_name say which they are.
+ */
+typedef enum jiwy_port {
+    JIWY_PORT_JOYSTICK_HORIZONTAL,
+    JIWY_PORT_JOYSTICK_VERTICAL,
+    JIWY_PORT_JOYSTICK_BUTTONS,
+    JIWY_PORT_FEEDBACK_HORIZONTAL,
+    JIWY_PORT_FEEDBACK_VERTICAL,
+    JIWY_PORT_CONTROL_HORIZONTAL,
+    JIWY_PORT_CONTROL_VERTICAL
+} jiwy_port;
+
+typedef struct jiwy_communication {
+    int64_t instant;
+    uint32_t channel;
+    uint32_t writer;
+    uint32_t reader;
+    const void *value; /* of the type of the channel; valid during the call */
+    size_t size;
+} jiwy_communication;
+
+/* Why a run has failed. What is not known, or does not apply, is NULL. */
+typedef enum jiwy_cause {
+    JIWY_CAUSE_FAULT,     /* of a computation, or of a device */
+    JIWY_CAUSE_TIMEOUT,   /* a sample was overwritten untaken */
+    JIWY_CAUSE_EXCEPTION, /* which the program has declared */
+    JIWY_CAUSE_DEADLOCK   /* nothing can continue it */
+} jiwy_cause;
+typedef struct jiwy_failure {
+    jiwy_cause cause;
+    int64_t instant;
+    uint32_t number;       /* of the process; 0: none */
+    const char *process;   /* its name in the program, */
+    const char *inner;     /* the process below it that the optimizer has inlined, */
+    const char *law;       /* and the control law in that */
+    const char *place;     /* in the text of the program: "tank.csp:12" */
+    const char *exception; /* its name */
+} jiwy_failure;
+
 /* What may change while the program runs. */
 typedef struct jiwy_parameters jiwy_parameters;
 
@@ -117,6 +158,14 @@ typedef struct jiwy_hooks {
      */
     uint32_t (*cycles)(void *context);
     jiwy_times *times;
+    /* If sources are compiled with -DCSP_TRACE_HOOK=1: each communication of a port, and of each
+     * channel that the optimizer has left, when its value has been passed. May be NULL.
+     */
+    void (*trace)(void *context, const jiwy_communication *communication);
+    /* The run has failed: jiwy_diagnose says why. Safe values are handed over next. May be
+     * NULL.
+     */
+    void (*fault)(void *context, const jiwy_instance *self);
 } jiwy_hooks;
 
 typedef enum jiwy_state {
@@ -191,10 +240,20 @@ void jiwy_save(const jiwy_instance *self, jiwy_memory *copy);
  */
 bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy);
 
-/* Writes what has failed and where, or which processes wait for what: at most `size` characters,
- * including the terminating 0.
+/* Writes what has failed and where, or which processes wait for what; in a fault handler of the
+ * processor, which process was running. At most `size` characters, including the terminating 0.
  */
 void jiwy_describe(jiwy_instance *self, char *text, size_t size);
+
+/* Why the run has failed, without a text; false: it has not. */
+bool jiwy_diagnose(const jiwy_instance *self,
+    jiwy_failure *failure);
+
+/* The name of a channel or port, and of a process; "" if there is none of this number, or sources
+ * are compiled without -DCSP_TRACE_HOOK=1.
+ */
+const char *jiwy_channel_name(uint32_t channel);
+const char *jiwy_process_name(uint32_t process);
 
 /* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if
  * sources are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.

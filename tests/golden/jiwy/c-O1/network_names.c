@@ -2,7 +2,7 @@
 #include "csp_arithmetic.h"
 #include "types.h"
 
-#if CSP_TRACE || CSP_MEASURE
+#if CSP_TRACE || CSP_MEASURE || CSP_TRACE_HOOK
 const uint32_t network_channel_count = 7U;
 const char *const network_channel_names[] = {
     "Jiwy.joystick_horizontal",

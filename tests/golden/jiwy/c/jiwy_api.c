@@ -147,6 +147,17 @@ static void measured(void *context, uint32_t process, uint32_t took)
 }
 #endif
 
+#if CSP_TRACE_HOOK
+static void trace(void *context, uint32_t channel, const void *value, uint32_t writer,
+    uint32_t reader)
+{
+    const jiwy_instance *const self = context;
+    const jiwy_communication communication = {
+        self->network.kernel.now, channel, writer, reader, value, network_channel_sizes[channel]};
+    self->hooks.trace(self->hooks.context, &communication);
+}
+#endif
+
 static void connect(jiwy_instance *self)
 {
     const struct network_drivers drivers = {
@@ -195,6 +206,11 @@ static const char *refused(const void *memory, size_t size, const jiwy_hooks *ho
     if ((hooks->lock == NULL) || (hooks->unlock == NULL)) {
         return "the hook `lock` or `unlock` is missing";
     }
+#if !CSP_TRACE_HOOK
+    if (hooks->trace != NULL) {
+        return "the hook `trace` needs -DCSP_TRACE_HOOK=1";
+    }
+#endif
     return NULL;
 }
 
@@ -226,6 +242,11 @@ jiwy_instance *jiwy_begin(void *memory, size_t size,
     if ((given.cycles != NULL) && (given.times != NULL)) {
         self->kernel_hooks.cycles = cycles;
         self->kernel_hooks.measured = measured;
+    }
+#endif
+#if CSP_TRACE_HOOK
+    if (given.trace != NULL) {
+        self->kernel_hooks.trace = trace;
     }
 #endif
     (void)memcpy(self->build, build, sizeof build);
@@ -267,7 +288,13 @@ jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
     default:
         return JIWY_REFUSED;
     }
-    csp_release_outputs(&self->network.kernel);
+    if (csp_is_driving(&self->network.kernel)) {
+        if ((self->hooks.fault != NULL)
+            && ((state == JIWY_FAILED) || (state == JIWY_DEADLOCK))) {
+            self->hooks.fault(self->hooks.context, self);
+        }
+        csp_release_outputs(&self->network.kernel);
+    }
     return state;
 }
 
@@ -423,8 +450,71 @@ void jiwy_describe(jiwy_instance *self, char *text, size_t size)
         break;
     default:
         csp_append(text, size, "running");
+        if (csp->current != NULL) {
+            csp_append(text, size, ": ");
+            csp_describe_at_work(csp, &text[strlen(text)], size - strlen(text));
+        }
         break;
     }
+}
+
+static jiwy_cause cause_of(const csp_error *error)
+{
+    switch (error->exception) {
+    case CSP_FAULT_EXCEPTION:
+        return JIWY_CAUSE_FAULT;
+    case CSP_TIMEOUT_EXCEPTION:
+        return JIWY_CAUSE_TIMEOUT;
+    default:
+        return JIWY_CAUSE_EXCEPTION;
+    }
+}
+
+bool jiwy_diagnose(const jiwy_instance *self,
+    jiwy_failure *failure)
+{
+    const csp_kernel *const csp = &self->network.kernel;
+    const csp_error *const error = &csp->error;
+    (void)memset(failure, 0, sizeof *failure);
+    failure->instant = csp->now;
+    failure->cause = JIWY_CAUSE_DEADLOCK;
+    if (csp->ending != (uint8_t)CSP_FAILED) {
+        return csp->ending == (uint8_t)CSP_DEADLOCK;
+    }
+    failure->cause = cause_of(error);
+    if (error->process == NULL) {
+        return true;
+    }
+    failure->number = error->process->party.number;
+    failure->process = error->process->kind->name;
+    failure->inner = error->inner;
+    failure->law = error->law;
+    failure->place = (error->place != NULL) ? error->place : error->process->kind->where;
+    if (failure->cause == JIWY_CAUSE_EXCEPTION) {
+        const uint32_t index = (uint32_t)error->exception - (uint32_t)CSP_FIRST_EXCEPTION;
+        failure->exception = network_program.exception_names[index];
+    }
+    return true;
+}
+
+const char *jiwy_channel_name(uint32_t channel)
+{
+#if CSP_TRACE_HOOK
+    return (channel < network_channel_count) ? network_channel_names[channel] : "";
+#else
+    (void)channel;
+    return "";
+#endif
+}
+
+const char *jiwy_process_name(uint32_t process)
+{
+#if CSP_TRACE_HOOK
+    return (process <= network_process_count) ? network_process_names[process] : "";
+#else
+    (void)process;
+    return "";
+#endif
 }
 
 void jiwy_write_times(const jiwy_times *times, uint32_t hertz,

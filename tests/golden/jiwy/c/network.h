@@ -73,7 +73,7 @@ extern const csp_program network_program;
 /* By number: variables that may be read before they were written. */
 extern const char *const network_variable_names[];
 
-#if CSP_TRACE || CSP_MEASURE
+#if CSP_TRACE || CSP_MEASURE || CSP_TRACE_HOOK
 /* By number: channels and ports, and the sizes of their values; processes and groups. */
 extern const uint32_t network_channel_count;
 extern const char *const network_channel_names[];
