@@ -38,23 +38,31 @@ class OfferedParameter:
 
 @record
 class Device:
-    """A device: its class, and what it offers.
+    """A device, and what it offers: its class is in the module of its name.
 
-    ``extra`` of cspdiag installs its ``requirements``, if there are any. ``outputs`` are the ports that it has; None:
-    those that the driver declares, in both directions, of the types ``values`` (arrays: of the others). Then a
-    parameter ``PORT_SUFFIX`` of a driver says what a port is: ``address`` is that suffix, its type and what it means;
-    without a default it has to be declared.
+    ``requirements`` are what its extra of cspdiag installs. ``outputs`` are the ports that it has; None: those that the
+    driver declares, in both directions, of the types ``values`` (arrays: of the others). Then a parameter
+    ``PORT_SUFFIX`` of a driver says what a port is: ``address`` is that suffix, its type and what it means; without a
+    default it has to be declared.
     """
 
     name: str
-    class_: str
     summary: str
-    extra: str
     requirements: tuple[str, ...]
     parameters: tuple[OfferedParameter, ...]
-    outputs: tuple[OfferedPort, ...] | None = None
-    values: tuple[ValueName, ...] = ("bool", "int", "double")
-    address: OfferedParameter | None = None
+    outputs: tuple[OfferedPort, ...] | None
+    values: tuple[ValueName, ...]
+    address: OfferedParameter | None
+
+    @property
+    def class_(self) -> str:
+        """The class in its module."""
+        return self.name.capitalize()
+
+    @property
+    def extra(self) -> str:
+        """The extra of cspdiag that installs what it needs; empty if it needs nothing."""
+        return self.name if self.requirements else ""
 
     @property
     def module(self) -> str:
@@ -66,161 +74,143 @@ class Device:
         return next((port for port in self.outputs or () if name in port.names), None)
 
 
-_WAITS = (
-    OfferedParameter("patience", "time", "how long the first value of each sampled port may take", "10 s"),
-    OfferedParameter("timeout", "time", "how long a sampled port may be silent after that; 0 s: without limit", "0 s"),
+_Parameter: TypeAlias = "tuple[str, TypeName, str] | tuple[str, TypeName, str, str]"
+_Port: TypeAlias = "tuple[str, TypeName, str] | tuple[str, TypeName, str, int]"
+"""As ``OfferedParameter`` and ``OfferedPort``."""
+
+_WAITS: tuple[_Parameter, ...] = (
+    ("patience", "time", "how long the first value of each sampled port may take", "10 s"),
+    ("timeout", "time", "how long a sampled port may be silent after that; 0 s: without limit", "0 s"),
 )
+"""Of what sends values by itself."""
+
+
+def _device(
+    name: str,
+    summary: str,
+    *parameters: _Parameter,
+    needs: tuple[str, ...] = (),
+    outputs: tuple[_Port, ...] | None = None,
+    values: tuple[ValueName, ...] = ("bool", "int", "double", "array"),
+    address: _Parameter | None = None,
+) -> Device:
+    return Device(
+        name,
+        summary,
+        needs,
+        tuple(OfferedParameter(*parameter) for parameter in parameters),
+        None if outputs is None else tuple(OfferedPort(*port) for port in outputs),
+        values,
+        None if address is None else OfferedParameter(*address),
+    )
+
 
 _ALL = (
-    Device(
+    _device(
         "can",
-        "Can",
         "signals of a CAN bus, as a DBC file describes them",
-        "can",
-        ("python-can>=4.3", "cantools>=39"),
-        (
-            OfferedParameter("dbc", "text", "the file that describes the messages (DBC, ARXML, KCD, SYM)"),
-            OfferedParameter("interface", "text", "the kind of adapter, as python-can calls it", '"socketcan"'),
-            OfferedParameter("bus", "text", "which bus, the channel of python-can", '"can0"'),
-            OfferedParameter("bitrate", "int", "bits a second", "500000"),
-            *_WAITS,
-        ),
-        address=OfferedParameter("signal", "text", "the signal of a port, if it has another name", ""),
+        ("dbc", "text", "the file that describes the messages (DBC, ARXML, KCD, SYM)"),
+        ("interface", "text", "the kind of adapter, as python-can calls it", '"socketcan"'),
+        ("bus", "text", "which bus, the channel of python-can", '"can0"'),
+        ("bitrate", "int", "bits a second", "500000"),
+        *_WAITS,
+        needs=("python-can>=4.3", "cantools>=39"),
+        values=("bool", "int", "double"),
+        address=("signal", "text", "the signal of a port, if it has another name", ""),
     ),
-    Device(
+    _device(
         "gamepad",
-        "Gamepad",
         "gamepads and joysticks",
-        "gamepad",
-        ("pygame-ce>=2.5",),
-        (
-            OfferedParameter("index", "int", "which one of those that are plugged in", "0"),
-            OfferedParameter("dead_zone", "double", "below this an axis is at rest", "0.05"),
-        ),
-        (
-            OfferedPort("x", "double", "first stick, -1 (left) to 1 (right); the same as axis0"),
-            OfferedPort("y", "double", "first stick, -1 (up) to 1 (down); the same as axis1"),
-            OfferedPort("axis", "double", "any axis, -1 to 1", 8),
-            OfferedPort("hat_x", "int", "directional pad: -1, 0 or 1 (right)"),
-            OfferedPort("hat_y", "int", "directional pad: -1, 0 or 1 (up)"),
-            OfferedPort("button", "bool", "whether the first button is pressed; the same as button0"),
-            OfferedPort("button", "bool", "whether a button is pressed", 16),
-            OfferedPort("buttons", "int", "all buttons: 1 for the first, 2 for the second, 4 for the third, added up"),
+        ("index", "int", "which one of those that are plugged in", "0"),
+        ("dead_zone", "double", "below this an axis is at rest", "0.05"),
+        needs=("pygame-ce>=2.5",),
+        outputs=(
+            ("x", "double", "first stick, -1 (left) to 1 (right); the same as axis0"),
+            ("y", "double", "first stick, -1 (up) to 1 (down); the same as axis1"),
+            ("axis", "double", "any axis, -1 to 1", 8),
+            ("hat_x", "int", "directional pad: -1, 0 or 1 (right)"),
+            ("hat_y", "int", "directional pad: -1, 0 or 1 (up)"),
+            ("button", "bool", "whether the first button is pressed; the same as button0"),
+            ("button", "bool", "whether a button is pressed", 16),
+            ("buttons", "int", "all buttons: 1 for the first, 2 for the second, 4 for the third, added up"),
         ),
     ),
-    Device(
+    _device(
         "gpio",
-        "Gpio",
         "lines of a GPIO chip of Linux",
-        "gpio",
-        ("gpiod>=2.1; sys_platform == 'linux'",),
-        (
-            OfferedParameter("chip", "text", "the chip", '"/dev/gpiochip0"'),
-            OfferedParameter("bias", "text", "of inputs: as_is, pull_up, pull_down or disabled", '"as_is"'),
-            OfferedParameter("active_low", "bool", "whether a low voltage is true", "false"),
-        ),
+        ("chip", "text", "the chip", '"/dev/gpiochip0"'),
+        ("bias", "text", "of inputs: as_is, pull_up, pull_down or disabled", '"as_is"'),
+        ("active_low", "bool", "whether a low voltage is true", "false"),
+        needs=("gpiod>=2.1; sys_platform == 'linux'",),
         values=("bool",),
-        address=OfferedParameter("line", "int", "the number of the line at its chip"),
+        address=("line", "int", "the number of the line at its chip"),
     ),
-    Device(
+    _device(
         "keyboard",
-        "Keyboard",
         "the keys of the terminal in which the program runs",
-        "",
-        (),
-        (
-            OfferedParameter("path", "text", "the terminal", '"/dev/tty"'),
-            OfferedParameter("hold", "time", "how long a key counts as pressed after its last report", "200 ms"),
-            OfferedParameter("step", "double", "how far an arrow key moves x or y", "0.1"),
-        ),
-        (
-            OfferedPort("x", "double", "moved by the arrows left and right, -1 to 1; Home and 0 return it"),
-            OfferedPort("y", "double", "moved by the arrows up and down, -1 (up) to 1"),
-            OfferedPort(
-                "buttons", "int", "the keys 1 to 9, added up: 1 for the first, 2 for the second, 4 for the third"
-            ),
-            OfferedPort("space", "bool", "whether the space bar is pressed"),
-            OfferedPort("enter", "bool", "whether Enter is pressed"),
-            OfferedPort("key", "int", "the code of the key that is pressed, such as 97 for a; 0 for none"),
+        ("path", "text", "the terminal", '"/dev/tty"'),
+        ("hold", "time", "how long a key counts as pressed after its last report", "200 ms"),
+        ("step", "double", "how far an arrow key moves x or y", "0.1"),
+        outputs=(
+            ("x", "double", "moved by the arrows left and right, -1 to 1; Home and 0 return it"),
+            ("y", "double", "moved by the arrows up and down, -1 (up) to 1"),
+            ("buttons", "int", "the keys 1 to 9, added up: 1 for the first, 2 for the second, 4 for the third"),
+            ("space", "bool", "whether the space bar is pressed"),
+            ("enter", "bool", "whether Enter is pressed"),
+            ("key", "int", "the code of the key that is pressed, such as 97 for a; 0 for none"),
         ),
     ),
-    Device(
+    _device(
         "mqtt",
-        "Mqtt",
         "topics of an MQTT broker",
-        "mqtt",
-        ("paho-mqtt>=2.0",),
-        (
-            OfferedParameter("host", "text", "where the broker is", '"localhost"'),
-            OfferedParameter("port", "int", "its port; with TLS mostly 8883", "1883"),
-            OfferedParameter("prefix", "text", "topics begin with this", '""'),
-            OfferedParameter("qos", "int", "quality of service: 0, 1 or 2", "0"),
-            OfferedParameter("tls", "bool", "whether the connection is encrypted", "false"),
-            OfferedParameter("user", "text", "with the password in the variable MQTT_PASSWORD", '""'),
-            *_WAITS,
-        ),
-        values=("bool", "int", "double", "array"),
-        address=OfferedParameter("topic", "text", "the topic of a port, if it is not the prefix and its name", ""),
+        ("host", "text", "where the broker is", '"localhost"'),
+        ("port", "int", "its port; with TLS mostly 8883", "1883"),
+        ("prefix", "text", "topics begin with this", '""'),
+        ("qos", "int", "quality of service: 0, 1 or 2", "0"),
+        ("tls", "bool", "whether the connection is encrypted", "false"),
+        ("user", "text", "with the password in the variable MQTT_PASSWORD", '""'),
+        *_WAITS,
+        needs=("paho-mqtt>=2.0",),
+        address=("topic", "text", "the topic of a port, if it is not the prefix and its name", ""),
     ),
-    Device(
+    _device(
         "opcua",
-        "OpcUa",
         "variables of an OPC UA server",
-        "opcua",
-        ("asyncua>=1.1",),
-        (
-            OfferedParameter("url", "text", "where the server is", '"opc.tcp://localhost:4840"'),
-            OfferedParameter("interval", "time", "how often the server reports changes", "10 ms"),
-            OfferedParameter("user", "text", "with the password in the variable OPCUA_PASSWORD", '""'),
-            *_WAITS,
-        ),
-        values=("bool", "int", "double", "array"),
-        address=OfferedParameter("node", "text", "the variable of a port, such as ns=2;s=Level"),
+        ("url", "text", "where the server is", '"opc.tcp://localhost:4840"'),
+        ("interval", "time", "how often the server reports changes", "10 ms"),
+        ("user", "text", "with the password in the variable OPCUA_PASSWORD", '""'),
+        *_WAITS,
+        needs=("asyncua>=1.1",),
+        address=("node", "text", "the variable of a port, such as ns=2;s=Level"),
     ),
-    Device(
+    _device(
         "serial",
-        "Serial",
         "boards behind a serial line or USB, with lines of text",
-        "serial",
-        ("pyserial>=3.5",),
-        (
-            OfferedParameter("path", "text", "such as /dev/ttyUSB0 or COM3"),
-            OfferedParameter("baud", "int", "the speed in bits a second", "115200"),
-            *_WAITS,
-        ),
-        values=("bool", "int", "double", "array"),
+        ("path", "text", "such as /dev/ttyUSB0 or COM3"),
+        ("baud", "int", "the speed in bits a second", "115200"),
+        *_WAITS,
+        needs=("pyserial>=3.5",),
     ),
-    Device(
+    _device(
         "udp",
-        "Udp",
         "datagrams of JSON or of C structures",
-        "",
-        (),
-        (
-            OfferedParameter("port", "int", "the port to listen at; 0: any", "0"),
-            OfferedParameter("bind", "text", "the interface to listen at; 0.0.0.0: all", '"127.0.0.1"'),
-            OfferedParameter("to", "text", "HOST:PORT to send to; empty: to the last sender", '""'),
-            OfferedParameter("out_format", "text", "the `out` ports as a C structure, such as <hf; empty: JSON", '""'),
-            OfferedParameter("in_format", "text", "the `in` ports as a C structure; empty: JSON", '""'),
-            *_WAITS,
-        ),
-        values=("bool", "int", "double", "array"),
+        ("port", "int", "the port to listen at; 0: any", "0"),
+        ("bind", "text", "the interface to listen at; 0.0.0.0: all", '"127.0.0.1"'),
+        ("to", "text", "HOST:PORT to send to; empty: to the last sender", '""'),
+        ("out_format", "text", "the `out` ports as a C structure, such as <hf; empty: JSON", '""'),
+        ("in_format", "text", "the `in` ports as a C structure; empty: JSON", '""'),
+        *_WAITS,
     ),
-    Device(
+    _device(
         "zenoh",
-        "Zenoh",
         "keys of a Zenoh network",
-        "zenoh",
-        ("eclipse-zenoh>=1.0",),
-        (
-            OfferedParameter("connect", "text", "an endpoint to connect to, such as tcp/192.168.1.7:7447", '""'),
-            OfferedParameter("listen", "text", "an endpoint to listen at, such as tcp/0.0.0.0:7447", '""'),
-            OfferedParameter("multicast", "bool", "whether peers of the local network are found", "true"),
-            OfferedParameter("prefix", "text", "keys begin with this", '""'),
-            *_WAITS,
-        ),
-        values=("bool", "int", "double", "array"),
-        address=OfferedParameter("key", "text", "the key of a port, if it is not the prefix and its name", ""),
+        ("connect", "text", "an endpoint to connect to, such as tcp/192.168.1.7:7447", '""'),
+        ("listen", "text", "an endpoint to listen at, such as tcp/0.0.0.0:7447", '""'),
+        ("multicast", "bool", "whether peers of the local network are found", "true"),
+        ("prefix", "text", "keys begin with this", '""'),
+        *_WAITS,
+        needs=("eclipse-zenoh>=1.0",),
+        address=("key", "text", "the key of a port, if it is not the prefix and its name", ""),
     ),
 )
 

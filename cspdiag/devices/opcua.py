@@ -17,7 +17,7 @@ _PATIENCE = 5.0
 """Seconds for the server to answer."""
 
 
-class OpcUa(MessageDevice):
+class Opcua(MessageDevice):
     """Variables of the server at ``url``: each port has a ``PORT_node``, such as ``ns=2;s=Level``.
 
     The server reports changes every ``interval`` at most. The value that a variable has at the beginning is a sample,
