@@ -44,6 +44,7 @@ VERBS = {
     "explain": "show the manual page of a diagnostic",
     "new": "start a project",
     "lsp": "serve an editor by the Language Server Protocol",
+    "mcp": "serve an assistant by the Model Context Protocol",
     "examples": "list the example programs, or copy one",
     "completion": "print what a shell needs to complete command lines",
     "bench": "run the benchmarks on this machine",

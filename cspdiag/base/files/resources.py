@@ -60,6 +60,11 @@ def manual_page_file(*parts: str) -> str:
     return _place("manual", *parts)
 
 
+def language_page() -> str:
+    """The text of the page that describes the language."""
+    return _text(_place("docs", "language.md"))
+
+
 def case_study() -> str:
     """The path of JIWY, the case study."""
     return _place("models", "jiwy", "jiwy.csp")

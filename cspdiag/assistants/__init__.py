@@ -1,0 +1,1 @@
+"""What assistants that write programs may do with the programs of a folder: the Model Context Protocol."""

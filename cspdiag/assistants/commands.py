@@ -1,0 +1,71 @@
+"""Carries out a command of cspdiag in a process of its own, which may hang, print or fail as it likes."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+LONGEST = 20_000
+"""The number of characters of a text that is returned; an assistant could not read more."""
+PATIENCE = 30.0
+"""Seconds that a command may take beyond the time that it was given."""
+
+
+class Finished(NamedTuple):
+    """What a command returned; ``code`` is None if it was ended because it took too long."""
+
+    code: int | None
+    out: str
+    err: str
+
+
+async def command(folder: Path, *arguments: str, seconds: float) -> Finished:
+    """Run ``cspdiag`` with some arguments in a folder, for at most ``seconds``."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "cspdiag",
+        *arguments,
+        cwd=folder,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+        start_new_session=True,
+        env={**os.environ, "NO_COLOR": "1", "COLUMNS": "120"},
+    )
+    communication = asyncio.ensure_future(process.communicate())
+    try:
+        out, err = await asyncio.wait_for(asyncio.shield(communication), seconds)
+        code = process.returncode
+    except TimeoutError:
+        # Ctrl-C first: a run then releases its outputs and reports how far it came.
+        out, err = await _ended(process, communication)
+        code = None
+    except asyncio.CancelledError:
+        await _ended(process, communication)
+        raise
+    return Finished(code, out.decode(errors="replace"), err.decode(errors="replace"))
+
+
+async def _ended(
+    process: asyncio.subprocess.Process, communication: asyncio.Future[tuple[bytes, bytes]]
+) -> tuple[bytes, bytes]:
+    for number, patience in ((signal.SIGINT, 3.0), (signal.SIGKILL, None)):
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, number)
+        with suppress(asyncio.TimeoutError):
+            return await asyncio.wait_for(asyncio.shield(communication), patience)
+    raise AssertionError
+
+
+def shortened(text: str) -> str:
+    """The text, or its beginning and end, and how much is left out."""
+    if len(text) <= LONGEST:
+        return text
+    half = LONGEST // 2
+    return f"{text[:half]}\n... {len(text) - LONGEST:,} characters left out ...\n{text[-half:]}"

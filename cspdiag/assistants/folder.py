@@ -1,0 +1,45 @@
+"""The folder whose programs an assistant works with: others cannot be named."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+
+class OutsideError(ValueError):
+    """A name that leads out of the folder, or to no program."""
+
+
+class Folder:
+    """A folder with programs."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path.resolve()
+
+    def program(self, name: str) -> str:
+        """The path of a program in the folder, relative to it. Raises OutsideError for what is not a program there; a
+        symbolic link is followed.
+        """
+        if "\0" in name:
+            raise OutsideError("a name of a file contains no zero byte")
+        found = (self.path / name).resolve()
+        if not found.is_relative_to(self.path):
+            raise OutsideError(f"`{name}` is outside the folder {self.path}")
+        if not found.is_file():
+            raise OutsideError(f"there is no program `{name}`: {self._known()}")
+        if found.suffix != ".csp":
+            raise OutsideError(f"`{name}` is not a program: the names of programs end in .csp")
+        return found.relative_to(self.path).as_posix()
+
+    def programs(self) -> Iterator[str]:
+        """All programs, in the order of their names; hidden folders are left out."""
+        for folder, folders, files in os.walk(self.path):
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            for name in sorted(files):
+                if name.endswith(".csp"):
+                    yield Path(folder, name).relative_to(self.path).as_posix()
+
+    def _known(self) -> str:
+        found = [name for name, _ in zip(self.programs(), range(20), strict=False)]
+        return f"there are {', '.join(found)}" if found else "the folder has none"

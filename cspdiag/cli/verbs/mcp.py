@@ -1,0 +1,39 @@
+"""``cspdiag mcp``: serve an assistant."""
+
+from __future__ import annotations
+
+import os
+from argparse import ArgumentParser, Namespace
+
+from cspdiag.base.errors import missing_package
+from cspdiag.cli.support.failure import FINE, UsageError
+
+EXAMPLE = """cspdiag mcp models       # started by an assistant, which talks to it on standard input and output"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument(
+        "folder",
+        metavar="FOLDER",
+        nargs="?",
+        default=os.curdir,
+        help="the folder with the programs; others cannot be named (default: the current one)",
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Serve until the assistant ends the connection."""
+    from pathlib import Path
+
+    folder = Path(arguments.folder)
+    if not folder.is_dir():
+        raise UsageError(f"{folder}: there is no such folder")
+    try:
+        from cspdiag.assistants.server import serve
+    except ImportError as problem:
+        if problem.name is None or problem.name.split(".")[0] not in {"mcp", "pydantic"}:
+            raise
+        raise UsageError(str(missing_package("mcp", "mcp"))) from None
+    serve(folder)
+    return FINE

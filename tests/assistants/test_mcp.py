@@ -1,0 +1,205 @@
+"""``cspdiag mcp``, with the client of the protocol's own library."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcp import Client, StdioServerParameters
+from mcp.types import CallToolResult, ImageContent, TextContent
+
+from cspdiag.assistants import commands
+from cspdiag.assistants.server import server
+from cspdiag.draw.layout.elk import engine_available
+
+RELAY = """\
+process Relay {
+  in  given : int
+  out taken : int
+
+  communication {
+    var held : int = 0
+  }
+
+  composition {
+    mu (given ? held ; taken ! 2 * held)
+  }
+}
+
+submodel Source {
+  out value : int
+  state n : int = 0
+  next n = n + 1
+  value = n
+}
+
+environment Bench for Relay step 1 ms {
+  source : Source
+  source.value -> given
+  taken -> _
+}
+"""
+STUCK = """\
+process First {
+  in reply : int
+  out ask : int
+  communication { var v : int = 0 }
+  composition { reply ? v ; ask ! 1 }
+}
+process Both {
+  communication {
+    one : First
+    two : First
+    one.ask -> two.reply
+    two.ask -> one.reply
+  }
+  composition { one || two }
+}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a program in a folder, and one beside it."""
+    place = tmp_path / "my programs"
+    (place / "parts").mkdir(parents=True)
+    (place / "parts" / "relay.csp").write_text(RELAY)
+    (place / "stuck.csp").write_text(STUCK)
+    (tmp_path / "other.csp").write_text(RELAY)
+    return place
+
+
+def with_client(folder: Path, use: Callable[[Client], Awaitable[None]]) -> None:
+    """Connect a client with a server in this process."""
+
+    async def main() -> None:
+        async with Client(server(folder)) as client:
+            await use(client)
+
+    asyncio.run(main())
+
+
+def structured(result: CallToolResult) -> dict[str, Any]:
+    assert not result.is_error, text_of(result)
+    assert result.structured_content is not None
+    return dict(result.structured_content)
+
+
+def text_of(result: CallToolResult) -> str:
+    return "".join(part.text for part in result.content if isinstance(part, TextContent))
+
+
+def pictures(result: CallToolResult) -> list[ImageContent]:
+    return [part for part in result.content if isinstance(part, ImageContent)]
+
+
+def test_programs_are_checked_proved_and_run(folder: Path) -> None:
+    async def use(client: Client) -> None:
+        found = structured(await client.call_tool("programs", {}))
+        assert sorted(found["programs"]) == ["parts/relay.csp", "stuck.csp"]
+        checked = structured(await client.call_tool("check", {"file": "parts/relay.csp"}))
+        assert checked == {"errors": 0, "warnings": 0, "diagnostics": []}
+        refuted = await client.call_tool("verify", {"file": "stuck.csp", "process": "Both"})
+        assert structured(refuted)["refuted"] == 1
+        assert structured(refuted)["answers"][0]["counterexample"]["failure"] == "deadlock"
+        assert "`one` waits to read two.ask" in text_of(refuted)
+        ran = await client.call_tool("run", {"file": "parts/relay.csp", "duration": "20 ms", "plot": False})
+        assert structured(ran)["successful"]
+        assert "reached the time limit at 20 ms" in structured(ran)["summary"]
+        # At the end the output is released.
+        assert structured(ran)["ports"]["taken"] == {"least": 0.0, "greatest": 38.0, "last": 0.0, "changes": 19}
+        stuck = structured(await client.call_tool("run", {"file": "stuck.csp"}))
+        assert not stuck["successful"]
+        assert "Both.one waits to read" in stuck["summary"]
+
+    with_client(folder, use)
+
+
+def test_wrong_programs_and_names_get_an_answer(folder: Path) -> None:
+    (folder / "wrong.csp").write_text(RELAY.replace("? held", "? hold"))
+    (folder / "link.csp").symlink_to(folder.parent / "other.csp")
+
+    async def use(client: Client) -> None:
+        wrong = await client.call_tool("check", {"file": "wrong.csp"})
+        (found,) = structured(wrong)["diagnostics"]
+        assert (found["code"], found["file"], found["line"]) == ("E0204", "wrong.csp", 10)
+        assert "there is no" in text_of(wrong)
+        for tool, arguments, words in (
+            ("check", {"file": "../other.csp"}, "is outside the folder"),
+            ("check", {"file": "link.csp"}, "is outside the folder"),
+            ("check", {"file": str(folder.parent / "other.csp")}, "is outside the folder"),
+            ("check", {"file": "parts"}, "there is no program `parts`: there are"),
+            ("run", {"file": "wrong.csp"}, "E0204"),
+            ("run", {"file": "stuck.csp", "duration": "soon"}, "is not a time"),
+            ("run", {"file": "stuck.csp", "seconds": -1}, "greater than 0"),
+            ("run", {"file": "stuck.csp", "settings": {"x": 1}}, "x"),
+            ("verify", {"file": "wrong.csp"}, "E0204"),
+            ("verify", {"file": "stuck.csp", "process": "--help"}, "--help"),
+            ("explain", {"code": "E9999"}, "E9999"),
+            ("draw", {"file": "stuck.csp", "process": "None"}, "None"),
+        ):
+            result = await client.call_tool(tool, arguments)
+            said = text_of(result)
+            assert result.is_error or not structured(result).get("successful", True), (tool, arguments)
+            assert words in said, (tool, arguments, said)
+            assert "Traceback" not in said
+
+    with_client(folder, use)
+
+
+def test_a_program_is_formatted(folder: Path) -> None:
+    program = folder / "parts" / "relay.csp"
+
+    async def use(client: Client) -> None:
+        program.write_text(RELAY.replace("  in  given", "      in given"))
+        shown = structured(await client.call_tool("fmt", {"file": "parts/relay.csp", "write": False}))
+        assert shown["changed"]
+        assert "+  in  given : int" in shown["difference"]
+        assert program.read_text() != RELAY
+        await client.call_tool("fmt", {"file": "parts/relay.csp"})
+        assert not structured(await client.call_tool("fmt", {"file": "parts/relay.csp"}))["changed"]
+
+    with_client(folder, use)
+
+
+@pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
+def test_pictures_are_drawn(folder: Path) -> None:
+    async def use(client: Client) -> None:
+        drawn = await client.call_tool("draw", {"file": "stuck.csp", "process": "Both"})
+        plotted = await client.call_tool("run", {"file": "parts/relay.csp", "duration": "5 ms"})
+        assert [len(pictures(result)) for result in (drawn, plotted)] == [1, 1]
+        assert pictures(drawn)[0].mime_type == "image/png"
+        assert pictures(drawn)[0].data.startswith("iVBORw0KGgo")
+
+    with_client(folder, use)
+
+
+def test_what_takes_too_long_is_ended(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def use(client: Client) -> None:
+        arguments = {"file": "parts/relay.csp", "duration": "1000000 s", "plot": False, "seconds": 2}
+        result = structured(await client.call_tool("run", arguments))
+        assert not result["successful"]
+        assert "It was ended because it took more than 2 s" in result["summary"]
+
+    with_client(folder, use)
+    monkeypatch.setattr(commands, "LONGEST", 10)
+    assert commands.shortened("0123456789" * 2) == "01234\n... 10 characters left out ...\n56789"
+
+
+def test_an_assistant_starts_it_and_reads_about_the_language(folder: Path) -> None:
+    async def main() -> None:
+        command = StdioServerParameters(command=sys.executable, args=["-m", "cspdiag", "mcp", str(folder)])
+        async with Client(command) as client:
+            tools = (await client.list_tools()).tools
+            assert sorted(tool.name for tool in tools) == [
+                "check", "draw", "explain", "fmt", "programs", "run", "verify",
+            ]  # fmt: skip
+            assert all(tool.description for tool in tools)
+            (page,) = (await client.read_resource("cspdiag://language")).contents
+            assert "process" in getattr(page, "text", "")
+
+    asyncio.run(main())
