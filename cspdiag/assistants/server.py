@@ -161,7 +161,8 @@ class _Tools:
         seconds: Seconds = 60,
     ) -> Annotated[CallToolResult, RunResult]:
         """Run a program against an environment, in virtual time, and say how it ended: at the time limit, by itself, in
-        a deadlock (and which process waits for which), or with an error. Bodies in Python that the program names are executed.
+        a deadlock (and which process waits for which), or with an error. Bodies in Python that the program names are
+        executed.
         """
         name = self._program(file)
         chosen = () if environment is None else ("--environment", environment)
