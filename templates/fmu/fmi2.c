@@ -30,20 +30,15 @@ typedef struct {
     fmi2ComponentEnvironment componentEnvironment;
 } fmi2CallbackFunctions;
 
-enum {
-    INSTANTIATED = 1 << FMU_INSTANTIATED,
-    INITIALIZING = 1 << FMU_INITIALIZING,
-    STEPPING = 1 << FMU_STEPPING,
-    TERMINATED = 1 << FMU_TERMINATED,
-    FAILED = 1 << FMU_FAILED,
-    READABLE = INITIALIZING | STEPPING | TERMINATED | FAILED,
-    ANY = INSTANTIATED | READABLE
-};
+/* ---- What both versions have ---- */
 
-static fmi2Status status_of(bool done)
-{
-    return done ? fmi2OK : fmi2Error;
-}
+#define FMI(name) fmi2##name
+#define FMI_STATE(before, after) FMI_STATE_(before, after)
+#define FMI_STATE_(before, after) fmi2##before##FMUstate##after
+#define FMI_READ DeSerialize
+#define FMI_TEXT(name) "fmi2" #name
+#define FMI_BOOLEAN fmi2Boolean
+#include "fmi_common.h"
 
 static void pass_on(const fmu_instance *self, fmu_severity severity, const char *text)
 {
@@ -76,16 +71,6 @@ FMU_EXPORT const char *fmi2GetVersion(void)
     return "2.0";
 }
 
-FMU_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[])
-{
-    fmu_instance *const self = c;
-    self->logs_events = (on != 0) && (count == 0U);
-    for (size_t index = 0U; (on != 0) && (index < count); index++) {
-        self->logs_events = self->logs_events || (strcmp(categories[index], "logEvents") == 0);
-    }
-    return fmi2OK;
-}
-
 FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                                          const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean on)
 {
@@ -102,11 +87,6 @@ FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2Str
         return NULL;
     }
     return fmu_instantiate(&described, name, guid);
-}
-
-FMU_EXPORT void fmi2FreeInstance(fmi2Component c)
-{
-    fmu_free(c);
 }
 
 FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
@@ -128,21 +108,6 @@ FMU_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
     fmu_instance *const self = c;
     return status_of(fmu_is_allowed(self, INSTANTIATED, "fmi2EnterInitializationMode") && fmu_initialize(self, self->start));
-}
-
-FMU_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c)
-{
-    return status_of(fmu_is_allowed(c, INITIALIZING, "fmi2ExitInitializationMode") && fmu_initialized(c));
-}
-
-FMU_EXPORT fmi2Status fmi2Terminate(fmi2Component c)
-{
-    return status_of(fmu_is_allowed(c, STEPPING | FAILED, "fmi2Terminate") && fmu_terminate(c));
-}
-
-FMU_EXPORT fmi2Status fmi2Reset(fmi2Component c)
-{
-    return status_of(fmu_reset(c));
 }
 
 /* ---- Values ---- */
@@ -226,51 +191,6 @@ FMU_EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference re
     (void)references;
     (void)values;
     return (count == 0U) ? fmi2OK : status_of(fmu_fail(c, "this FMU has no strings"));
-}
-
-/* ---- States ---- */
-
-FMU_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
-{
-    if (state == NULL) {
-        return fmi2Error;
-    }
-    *state = fmu_get_state(c, *state);
-    return status_of(*state != NULL);
-}
-
-FMU_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
-{
-    return status_of(fmu_set_state(c, state));
-}
-
-FMU_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
-{
-    (void)c;
-    if (state != NULL) {
-        fmu_free_state(*state);
-        *state = NULL;
-    }
-    return fmi2OK;
-}
-
-FMU_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
-{
-    (void)c;
-    (void)state;
-    *size = fmu_state_size();
-    return fmi2OK;
-}
-
-FMU_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
-{
-    return status_of(fmu_write_state(c, state, (unsigned char *)bytes, size));
-}
-
-FMU_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
-{
-    *state = fmu_read_state(c, (const unsigned char *)bytes, size);
-    return status_of(*state != NULL);
 }
 
 /* ---- Steps ---- */

@@ -17,21 +17,15 @@ typedef int fmi3Qualifier; /* fmi3IntervalQualifier, fmi3DependencyKind */
 
 typedef void fmi3LogMessageCallback(fmi3InstanceEnvironment, fmi3Status, fmi3String category, fmi3String message);
 
-enum {
-    INSTANTIATED = 1 << FMU_INSTANTIATED,
-    INITIALIZING = 1 << FMU_INITIALIZING,
-    STEPPING = 1 << FMU_STEPPING,
-    IN_EVENT = 1 << FMU_IN_EVENT,
-    TERMINATED = 1 << FMU_TERMINATED,
-    FAILED = 1 << FMU_FAILED,
-    READABLE = INITIALIZING | STEPPING | IN_EVENT | TERMINATED | FAILED,
-    ANY = INSTANTIATED | READABLE
-};
+/* ---- What both versions have ---- */
 
-static fmi3Status status_of(bool done)
-{
-    return done ? fmi3OK : fmi3Error;
-}
+#define FMI(name) fmi3##name
+#define FMI_STATE(before, after) FMI_STATE_(before, after)
+#define FMI_STATE_(before, after) fmi3##before##FMUState##after
+#define FMI_READ Deserialize
+#define FMI_TEXT(name) "fmi3" #name
+#define FMI_BOOLEAN bool
+#include "fmi_common.h"
 
 static void pass_on(const fmu_instance *self, fmu_severity severity, const char *text)
 {
@@ -47,16 +41,6 @@ static void pass_on(const fmu_instance *self, fmu_severity severity, const char 
 FMU_EXPORT const char *fmi3GetVersion(void)
 {
     return "3.0";
-}
-
-FMU_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance c, bool on, size_t count, const fmi3String categories[])
-{
-    fmu_instance *const self = c;
-    self->logs_events = on && (count == 0U);
-    for (size_t index = 0U; on && (index < count); index++) {
-        self->logs_events = self->logs_events || (strcmp(categories[index], "logEvents") == 0);
-    }
-    return fmi3OK;
 }
 
 FMU_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, bool visible,
@@ -117,11 +101,6 @@ FMU_EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3S
     return refuse_instance(environment, log);
 }
 
-FMU_EXPORT void fmi3FreeInstance(fmi3Instance c)
-{
-    fmu_free(c);
-}
-
 FMU_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, bool has_tolerance, double tolerance, double start,
                                                   bool has_stop, double stop)
 {
@@ -130,21 +109,6 @@ FMU_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, bool has_toler
     (void)has_stop;
     (void)stop;
     return status_of(fmu_is_allowed(c, INSTANTIATED, "fmi3EnterInitializationMode") && fmu_initialize(c, start));
-}
-
-FMU_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
-{
-    return status_of(fmu_is_allowed(c, INITIALIZING, "fmi3ExitInitializationMode") && fmu_initialized(c));
-}
-
-FMU_EXPORT fmi3Status fmi3Terminate(fmi3Instance c)
-{
-    return status_of(fmu_is_allowed(c, STEPPING | IN_EVENT | FAILED, "fmi3Terminate") && fmu_terminate(c));
-}
-
-FMU_EXPORT fmi3Status fmi3Reset(fmi3Instance c)
-{
-    return status_of(fmu_reset(c));
 }
 
 /* ---- Values ---- */
@@ -165,225 +129,39 @@ static bool is_scalar(fmu_instance *self, size_t references, size_t values)
     return (references == values) || fmu_fail(self, "there are more or fewer values than value references");
 }
 
-FMU_EXPORT fmi3Status fmi3GetFloat32(fmi3Instance c, const fmi3ValueReference references[], size_t count, float values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetFloat32") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        double value = 0.0;
-        done = has_type(c, references[index], FMU_FLOAT32) && fmu_get_real(c, references[index], &value);
-        values[index] = (float)value;
+/* The two functions for variables of one type; `wide` is what fmu.h passes its values as. */
+#define ACCESS(name, type, code, kind, wide)                                                                           \
+    FMU_EXPORT fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
+                                        type values[], size_t value_count)                                             \
+    {                                                                                                                  \
+        bool done = fmu_is_allowed(c, READABLE, "fmi3Get" #name) && is_scalar(c, count, value_count);                  \
+        for (size_t index = 0U; done && (index < count); index++) {                                                    \
+            wide value = 0;                                                                                            \
+            done = has_type(c, references[index], code) && fmu_get_##kind(c, references[index], &value);               \
+            values[index] = (type)value;                                                                               \
+        }                                                                                                              \
+        return status_of(done);                                                                                        \
+    }                                                                                                                  \
+    FMU_EXPORT fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
+                                        const type values[], size_t value_count)                                       \
+    {                                                                                                                  \
+        bool done = fmu_is_allowed(c, ANY, "fmi3Set" #name) && is_scalar(c, count, value_count);                       \
+        for (size_t index = 0U; done && (index < count); index++) {                                                    \
+            done = has_type(c, references[index], code) && fmu_set_##kind(c, references[index], values[index]);        \
+        }                                                                                                              \
+        return status_of(done);                                                                                        \
     }
-    return status_of(done);
-}
 
-FMU_EXPORT fmi3Status fmi3SetFloat32(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const float values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetFloat32") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_FLOAT32) && fmu_set_real(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference references[], size_t count, double values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetFloat64") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        double value = 0.0;
-        done = has_type(c, references[index], FMU_FLOAT64) && fmu_get_real(c, references[index], &value);
-        values[index] = (double)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const double values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetFloat64") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_FLOAT64) && fmu_set_real(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetInt8(fmi3Instance c, const fmi3ValueReference references[], size_t count, int8_t values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetInt8") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        int64_t value = 0;
-        done = has_type(c, references[index], FMU_INT8) && fmu_get_integer(c, references[index], &value);
-        values[index] = (int8_t)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetInt8(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const int8_t values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetInt8") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_INT8) && fmu_set_integer(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetUInt8(fmi3Instance c, const fmi3ValueReference references[], size_t count, uint8_t values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetUInt8") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        int64_t value = 0;
-        done = has_type(c, references[index], FMU_UINT8) && fmu_get_integer(c, references[index], &value);
-        values[index] = (uint8_t)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetUInt8(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const uint8_t values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetUInt8") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_UINT8) && fmu_set_integer(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetInt16(fmi3Instance c, const fmi3ValueReference references[], size_t count, int16_t values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetInt16") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        int64_t value = 0;
-        done = has_type(c, references[index], FMU_INT16) && fmu_get_integer(c, references[index], &value);
-        values[index] = (int16_t)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetInt16(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const int16_t values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetInt16") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_INT16) && fmu_set_integer(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetUInt16(fmi3Instance c, const fmi3ValueReference references[], size_t count, uint16_t values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetUInt16") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        int64_t value = 0;
-        done = has_type(c, references[index], FMU_UINT16) && fmu_get_integer(c, references[index], &value);
-        values[index] = (uint16_t)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetUInt16(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const uint16_t values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetUInt16") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_UINT16) && fmu_set_integer(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetInt32(fmi3Instance c, const fmi3ValueReference references[], size_t count, int32_t values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetInt32") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        int64_t value = 0;
-        done = has_type(c, references[index], FMU_INT32) && fmu_get_integer(c, references[index], &value);
-        values[index] = (int32_t)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetInt32(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const int32_t values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetInt32") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_INT32) && fmu_set_integer(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetUInt32(fmi3Instance c, const fmi3ValueReference references[], size_t count, uint32_t values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetUInt32") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        int64_t value = 0;
-        done = has_type(c, references[index], FMU_UINT32) && fmu_get_integer(c, references[index], &value);
-        values[index] = (uint32_t)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetUInt32(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const uint32_t values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetUInt32") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_UINT32) && fmu_set_integer(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetInt64(fmi3Instance c, const fmi3ValueReference references[], size_t count, int64_t values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetInt64") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        int64_t value = 0;
-        done = has_type(c, references[index], FMU_INT64) && fmu_get_integer(c, references[index], &value);
-        values[index] = (int64_t)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetInt64(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const int64_t values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetInt64") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_INT64) && fmu_set_integer(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3GetBoolean(fmi3Instance c, const fmi3ValueReference references[], size_t count, bool values[],
-                                size_t value_count)
-{
-    bool done = fmu_is_allowed(c, READABLE, "fmi3GetBoolean") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        bool value = false;
-        done = has_type(c, references[index], FMU_BOOLEAN) && fmu_get_boolean(c, references[index], &value);
-        values[index] = (bool)value;
-    }
-    return status_of(done);
-}
-
-FMU_EXPORT fmi3Status fmi3SetBoolean(fmi3Instance c, const fmi3ValueReference references[], size_t count,
-                                const bool values[], size_t value_count)
-{
-    bool done = fmu_is_allowed(c, ANY, "fmi3SetBoolean") && is_scalar(c, count, value_count);
-    for (size_t index = 0U; done && (index < count); index++) {
-        done = has_type(c, references[index], FMU_BOOLEAN) && fmu_set_boolean(c, references[index], values[index]);
-    }
-    return status_of(done);
-}
+ACCESS(Float32, float, FMU_FLOAT32, real, double)
+ACCESS(Float64, double, FMU_FLOAT64, real, double)
+ACCESS(Int8, int8_t, FMU_INT8, integer, int64_t)
+ACCESS(UInt8, uint8_t, FMU_UINT8, integer, int64_t)
+ACCESS(Int16, int16_t, FMU_INT16, integer, int64_t)
+ACCESS(UInt16, uint16_t, FMU_UINT16, integer, int64_t)
+ACCESS(Int32, int32_t, FMU_INT32, integer, int64_t)
+ACCESS(UInt32, uint32_t, FMU_UINT32, integer, int64_t)
+ACCESS(Int64, int64_t, FMU_INT64, integer, int64_t)
+ACCESS(Boolean, bool, FMU_BOOLEAN, boolean, bool)
 
 /* Clocks: an active input clock is an event with the present value; an output clock is active if there was an event. */
 FMU_EXPORT fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference references[], size_t count, bool values[])
@@ -402,51 +180,6 @@ FMU_EXPORT fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference refe
         done = has_type(c, references[index], FMU_CLOCK) && fmu_set_boolean(c, references[index], values[index]);
     }
     return status_of(done);
-}
-
-/* ---- States ---- */
-
-FMU_EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state)
-{
-    if (state == NULL) {
-        return fmi3Error;
-    }
-    *state = fmu_get_state(c, *state);
-    return status_of(*state != NULL);
-}
-
-FMU_EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
-{
-    return status_of(fmu_set_state(c, state));
-}
-
-FMU_EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
-{
-    (void)c;
-    if (state != NULL) {
-        fmu_free_state(*state);
-        *state = NULL;
-    }
-    return fmi3OK;
-}
-
-FMU_EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size)
-{
-    (void)c;
-    (void)state;
-    *size = fmu_state_size();
-    return fmi3OK;
-}
-
-FMU_EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, uint8_t bytes[], size_t size)
-{
-    return status_of(fmu_write_state(c, state, bytes, size));
-}
-
-FMU_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const uint8_t bytes[], size_t size, fmi3FMUState *state)
-{
-    *state = fmu_read_state(c, bytes, size);
-    return status_of(*state != NULL);
 }
 
 /* ---- Events and steps ---- */

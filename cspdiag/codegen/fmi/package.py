@@ -179,7 +179,7 @@ def _sources(package: Package, compiled: Sequence[str]) -> dict[str, str]:
 def _files(sources: Mapping[str, str], model: Model, fmi: str) -> dict[str, str]:
     folder = template_folder("fmu")
     interface = "fmi2.c" if fmi == "2.0" else "fmi3.c"
-    own = {name: (folder / name).read_text(encoding="utf-8") for name in ("fmu.c", "fmu.h", interface)}
+    own = {name: (folder / name).read_text(encoding="utf-8") for name in ("fmu.c", "fmu.h", "fmi_common.h", interface)}
     files = {f"{SOURCES}{path}": text for path, text in sorted({**sources, **own}.items())}
     names = tuple(path.removeprefix(SOURCES) for path in files if path.endswith(".c"))
     whole = replaced(model, sources=names)
