@@ -23,6 +23,8 @@ _UP_TO_ELSE = re.compile(r"if\b[^{}]*?\n\s*else\b")
 _LIBRARY_OF_FUNCTIONS = re.compile(r"(?:[Mm]ath|cmath|np|numpy)\.(?P<function>[A-Za-z_]\w*)\Z", re.ASCII)
 _PRINTING = frozenset(["print", "println", "printf", "puts", "log", "echo", "write", "writeln", "fprintf"])
 _REPLICATED = frozenset(["SEQ", "PAR", "PRIPAR", "ALT", "PRIALT"])
+_REPLICATIONS = {"||": "par", "||>": "pripar", ";": "seq", "[]": "alt", "[]>": "prialt"}
+_REPLICATOR = re.compile(r"\s*[A-Za-z_]\w*\s*<[^:;{}\n]*:(?!=)", re.ASCII)
 _CONDITION = re.compile(r"until\b(?P<condition>[^;()\n{}|\[\]]*)")
 _AMOUNT = re.compile(r"[^\S\n]*[\w.]+(?=\s*[;)}])", re.ASCII)
 _OPERATOR_OF_PROCESSES = re.compile(r";|\|\||\[\]")
@@ -193,6 +195,17 @@ def operator_as_label(situation: Situation) -> Finding | None:
     if situation.text != ":" or situation.lexer.before.kind not in _REPLICATED:
         return None
     return KeywordAsName(situation.previous, situation.lexer.before.text), None
+
+
+def operator_of_a_replication(situation: Situation) -> Finding | None:
+    """``|| i < n : cell[i]``: the operator in place of its keyword."""
+    keyword = _REPLICATIONS.get(situation.text)
+    if keyword is None or not situation.can(keyword):
+        return None
+    if _REPLICATOR.match(situation.source.text, situation.lexer.end) is None:
+        return None
+    wrong = WrongOperator(situation.span, situation.text, keyword, "a replicated composition", replaced=situation.span)
+    return wrong, Repair("replace", situation.terminal(keyword))
 
 
 def until_without_mu(situation: Situation) -> Finding | None:

@@ -152,6 +152,7 @@ _MISTAKES = (
     habits.conditional_equation,
     habits.ports_in_a_list,
     habits.operator_as_label,
+    habits.operator_of_a_replication,
     structure.separator,
     structure.missing_process,
     structure.missing_arrow_end,
