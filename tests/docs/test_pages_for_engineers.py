@@ -21,7 +21,13 @@ from cspdiag.runtime import After, Channel, Network, Process, interrupt, ms, wai
 ROOT = Path(__file__).parents[2]
 DESIGN = sorted((ROOT / "docs" / "design").glob("*.md"))
 DECISIONS = [page for page in DESIGN if page.name != "README.md"]
-LINKED = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")), *DESIGN]
+LINKED = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    ROOT / "llms.txt",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *DESIGN,
+]
 ARCHITECTURE = ROOT / "docs" / "architecture.md"
 NAMING = [*DESIGN, ARCHITECTURE, ROOT / "docs" / "releasing.md", ROOT / ".github" / "pull_request_template.md"]
 SECTIONS = ["Decision", "Alternatives", "What it costs", "In the code", "Tests"]
@@ -91,6 +97,16 @@ def sections(page: Path) -> dict[str, str]:
 @pytest.mark.parametrize("page", LINKED, ids=name_of)
 def test_links_have_targets(page: Path) -> None:
     assert dead_links(page) == []
+
+
+def test_the_list_for_language_models_has_the_form_of_llmstxt_org() -> None:
+    title, summary, details, *lists = (ROOT / "llms.txt").read_text(encoding="utf-8").strip().split("\n\n")
+    assert title.startswith("# ")
+    assert summary.startswith("> ")
+    assert details.strip()
+    for heading, links in zip(lists[::2], lists[1::2], strict=True):
+        assert re.fullmatch(r"## .+", heading)
+        assert [line for line in links.splitlines() if not re.fullmatch(r"- \[.+\]\(\S+\): .+", line)] == []
 
 
 @pytest.mark.parametrize("page", NAMING, ids=name_of)
