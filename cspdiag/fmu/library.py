@@ -62,7 +62,9 @@ class Library:
                 fmu.instantiate(callbacks=self._callbacks)
         except Exception as problem:
             raise FmuError(
-                self._with_message(f"{self.path} cannot be loaded: {problem}"), "try it with fmpy simulate"
+                self._with_message(f"{self.path} cannot be loaded: {problem}"),
+                "its binary is damaged, or needs a library that is not here: export it again, or compile its sources, "
+                "if it has some: fmpy compile",
             ) from None
         return fmu
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from cspdiag.base import Report
+from cspdiag.base import Report, Span
 from cspdiag.base.spelling import Speller
 from cspdiag.fmu.description import FmuError, FmuVariable, read_description
 from cspdiag.model.names.described import fmu_path, is_unit, language_type, unit_text
 from cspdiag.model.program import PortSymbol, Program, Scope
-from cspdiag.model.types import BoolType, IntType, RealType, Type
+from cspdiag.model.types import BoolType, IntType, RealType, Type, UnknownType
 from cspdiag.network.diagnostics.external import FmuInProcess, UnusableFmu
 from cspdiag.syntax import ast
 
@@ -42,10 +42,7 @@ def check_fmu(program: Program, definition: ast.SubmodelDefinition, external: as
     for symbol in program.scopes.get(definition, Scope()).ports.values():
         _check_port(symbol, description, report)
     for parameter in definition.parameters:
-        if description.named(parameter.name.text) is None:
-            names = [item.identifier for item in description.variables if item.causality == "parameter"]
-            text = f"the FMU has no parameter `{parameter.name.text}`"
-            report.add(UnusableFmu(parameter.span, text, _listed(parameter.name.text, names)))
+        _check_parameter(parameter, program.types.get(parameter), description, report)
 
 
 def _listed(name: str, names: list[str]) -> str:
@@ -63,14 +60,29 @@ def _check_port(symbol: PortSymbol, description: FmuDescription, report: Report)
         names = [item.identifier for item in description.variables if item.causality in causalities]
         report.add(UnusableFmu(span, f"the FMU has no {wanted} `{name}`", _listed(name, names)))
         return
+    _check_value(name, symbol.type, span, variable, report)
+
+
+def _check_parameter(parameter: ast.Parameter, type_: Type | None, description: FmuDescription, report: Report) -> None:
+    name = parameter.name.text
+    variable = description.named(name)
+    if variable is None or variable.causality != "parameter":
+        names = [item.identifier for item in description.variables if item.causality == "parameter"]
+        report.add(UnusableFmu(parameter.span, f"the FMU has no parameter `{name}`", _listed(name, names)))
+    elif type_ is not None and not isinstance(type_, UnknownType):
+        _check_value(name, type_, parameter.span, variable, report)
+
+
+def _check_value(name: str, own: Type, span: Span, variable: FmuVariable, report: Report) -> None:
+    """Reports another type or unit than that of the variable of the FMU."""
     type_ = language_type(variable)
-    if type_ is None or not _fits(symbol.type, variable):
+    if type_ is None or not _fits(own, variable):
         shown = f"{type_}" if type_ else f"{variable.type}, which the language does not have"
-        text = f"`{name}` is a {symbol.type} here, and in the FMU a {shown}"
-        report.add(UnusableFmu(span, text, f"write `{name} : {type_}`" if type_ else "leave the port out"))
+        text = f"`{name}` is a {own} here, and in the FMU a {shown}"
+        report.add(UnusableFmu(span, text, f"write `{name} : {type_}`" if type_ else f"leave `{name}` out"))
         return
-    if isinstance(symbol.type, RealType) and variable.unit is not None and not is_unit(symbol.type.unit, variable.unit):
-        text = f"`{name}` has the unit {symbol.type.unit} here, and {variable.unit.name} in the FMU"
+    if isinstance(own, RealType) and variable.unit is not None and not is_unit(own.unit, variable.unit):
+        text = f"`{name}` has the unit {own.unit} here, and {variable.unit.name} in the FMU"
         unit = unit_text(variable)
         advice = f"write `{name} : {type_}<{unit}>`" if unit else "convert it in a submodel of your own"
         report.add(UnusableFmu(span, text, advice))
