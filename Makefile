@@ -6,7 +6,7 @@ BIN    := $(VENV)/bin
 MODEL  := models/jiwy/jiwy.csp
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test hunt check bench fmt docs pictures cases clean
+.PHONY: help setup run test hunt check bench fmt docs pictures cases grammar clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -67,6 +67,9 @@ pictures: $(VENV)/.stamp-dev ## Draw the pictures of the documentation and the m
 
 cases: $(VENV)/.stamp-dev ## Rewrite the expectations of the literate cases; read the difference
 	$(BIN)/pytest tests/test_cases.py --update-cases
+
+grammar: ## Generate the parser for editors; needs tree-sitter-cli 0.26 and node
+	cd editors/tree-sitter-csp && tree-sitter generate --abi 14
 
 clean: ## Remove .venv, build/ and the caches
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

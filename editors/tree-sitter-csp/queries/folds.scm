@@ -1,0 +1,15 @@
+[
+  (enum)
+  (struct)
+  (process)
+  (submodel)
+  (driver)
+  (environment)
+  (parameters)
+  (arguments)
+  (communication_block)
+  (composition_block)
+  (repeated_declarations)
+  (group)
+  (comment)
+] @fold
