@@ -101,7 +101,7 @@ def server(path: Path) -> MCPServer[Any]:
 
     @serving.resource("cspdiag://language", mime_type="text/markdown")
     def language() -> str:
-        """The language: enough to read, write and change programs."""
+        """The language in brief: enough to read, write and change programs."""
         return language_page()
 
     return serving

@@ -61,8 +61,8 @@ def manual_page_file(*parts: str) -> str:
 
 
 def language_page() -> str:
-    """The text of the page that describes the language."""
-    return _text(_place("docs", "language.md"))
+    """The text of the page that describes the language in brief."""
+    return _text(_place("docs", "language-in-brief.md"))
 
 
 def case_study() -> str:
