@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from cspdiag.simulate.result import Run, RunError, UnknownSignalError
     from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
     from cspdiag.simulate.run.reference import NoMeaningError
+    from cspdiag.sweep.measures import MeasureError
+    from cspdiag.sweep.table import Sweep
     from cspdiag.verify.systems import VerificationError
 
 __all__ = [
@@ -38,6 +40,7 @@ __all__ = [
     "FileError",
     "LayoutError",
     "LoadedProgram",
+    "MeasureError",
     "MissingPackageError",
     "MissingToolError",
     "NoEnvironmentError",
@@ -48,6 +51,7 @@ __all__ = [
     "RunError",
     "SelectionError",
     "SettingError",
+    "Sweep",
     "TargetError",
     "Tuning",
     "UnknownSignalError",
@@ -71,6 +75,7 @@ _HOMES = {
     "FileError": "base.errors",
     "LayoutError": "draw.layout.graph",
     "LoadedProgram": "api",
+    "MeasureError": "sweep.measures",
     "MissingPackageError": "base.errors",
     "MissingToolError": "draw.missing",
     "NoEnvironmentError": "simulate.run.execute",
@@ -81,6 +86,7 @@ _HOMES = {
     "RunError": "simulate.result",
     "SelectionError": "network.lower.program",
     "SettingError": "settings",
+    "Sweep": "sweep.table",
     "TargetError": "codegen.shared.target_error",
     "Tuning": "live",
     "UnknownSignalError": "simulate.result",

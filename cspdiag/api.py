@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 from cspdiag import pipeline
 from cspdiag.arguments import (
     Setting,
+    Values,
     changes_of,
     definition_to_draw,
     labels_to_hide,
@@ -19,10 +20,12 @@ from cspdiag.arguments import (
     require_one_of,
     require_seconds,
     require_states,
+    require_text,
     settings_of,
     shown,
     source_of,
     time_limit,
+    values_of,
 )
 from cspdiag.base import Diagnostic, SourceFile
 from cspdiag.base.errors import ArgumentError, CspdiagError, file_errors
@@ -42,6 +45,7 @@ if TYPE_CHECKING:
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.answers.answer import Answer
     from cspdiag.simulate.result import Run
+    from cspdiag.sweep.table import Sweep
 
 
 Tune: TypeAlias = "Tuning | Mapping[str | float, Mapping[str, Setting]]"
@@ -370,6 +374,60 @@ class LoadedProgram:
             raise ArgumentError("a `Tuning` is for a program that runs in Python: give the changes by their times")
         changes = [] if tune is None else changes_of(self._program(), tune)
         return reference.simulate(network, environment=environment, until=limit, recorder=Recorder(), changes=changes)
+
+    def sweep(
+        self,
+        set: Mapping[str, Values],
+        measure: str | Iterable[str] = (),
+        *,
+        environment: str | None = None,
+        until: str | float | None = None,
+        target: str = "auto",
+        workers: int | None = None,
+    ) -> Sweep:
+        """Run the program with all combinations of values, and tabulate what is measured.
+
+        ``set`` has, by name, a range as text (``"0.1:0.5:9"``), a sequence of values, or one value; ``measure`` texts
+        such as ``"rms(pan.speed)"``. ``docs/sweeps.md`` lists both. ``until`` ends each run. Runs are native where that
+        is possible, or as ``target`` says (``"c"``, ``"python"``), with the same results, in as many processes as there
+        are processors, or ``workers``.
+
+        Raises the exceptions of ``build``, ``NoEnvironmentError``, ``MeasureError``, for C also ``CompilerError`` and
+        ``TargetError``, and ArgumentError for other values.
+        """
+        from contextlib import closing
+
+        from cspdiag.sweep.execute import Jobs, make_runs, processors
+        from cspdiag.sweep.plan import InvalidProgramError, Request, plan_sweep
+        from cspdiag.sweep.table import Sweep
+
+        require_names(environment=environment)
+        require_one_of("target", target, ("auto", "c", "python"))
+        if workers is not None and not (isinstance(workers, int) and 1 <= workers <= 1024):
+            raise ArgumentError(f"workers is a number of processes from 1 to 1024, not {shown(workers)}")
+        measures = [measure] if isinstance(measure, str) else list(measure)
+        for text in measures:
+            require_text("a measure", text)
+        request = Request(
+            source=self.source,
+            given=values_of(set),
+            measures=measures,
+            environment=environment,
+            until=None if until is None else time_limit(until),
+            real=self._real,
+        )
+        with file_errors():
+            try:
+                plan = plan_sweep(request, read_source)
+            except InvalidProgramError as problem:
+                raise ProgramError(list(problem.diagnostics)) from None
+            if plan.never_ends:
+                raise ArgumentError("the program never ends by itself: say with `until` when each run ends")
+            jobs = Jobs(plan, read_source, target)
+            runs = range(len(plan.grid))
+            with closing(make_runs(plan, runs, jobs, workers=min(workers or processors(), len(runs)))) as found:
+                results = dict(found)
+        return Sweep(plan.grid, plan.measures, results, jobs.made)
 
     def verify(
         self,

@@ -28,6 +28,10 @@ Setting = str | int | float
 """A value as ``cspdiag run --set`` takes it (``"10 ms"``), or a plain number."""
 
 
+Values = Setting | Iterable[Setting]
+"""What a sweep varies: a range or a list as a text (``"1:5:9"``), values, or one value."""
+
+
 def source_of(text: str, name: str) -> SourceFile:
     """A text as if it had been read from a file. Raises TypeError if it is not a text, ArgumentError for a text that no
     file can hold.
@@ -96,6 +100,22 @@ def settings_of(values: Mapping[str, Setting] | None) -> dict[str, str]:
         return {}
     require_mapping("set", values)
     return {name: _setting(name, value) for name, value in values.items()}
+
+
+def values_of(values: object) -> dict[str, str | list[str]]:
+    """The values of a sweep by name: texts as they are, sequences of settings as the language writes them. Raises
+    TypeError and SettingError as ``settings_of`` does.
+    """
+    if not isinstance(values, Mapping):
+        raise TypeError(f"set is a mapping, not {type(values).__name__}")
+    require_mapping("set", values)
+    found: dict[str, str | list[str]] = {}
+    for name, given in values.items():
+        if isinstance(given, str) or not isinstance(given, Iterable):
+            found[name] = given if isinstance(given, str) else [_setting(name, given)]
+        else:
+            found[name] = [_setting(name, value) for value in given]
+    return found
 
 
 def _setting(name: str, value: Setting) -> str:

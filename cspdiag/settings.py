@@ -92,7 +92,7 @@ place of its part.
 
 
 @record
-class _Target:
+class Target:
     """What a name can mean: a constant, a part of one, or a parameter by its path below some roots."""
 
     path: str
@@ -138,9 +138,9 @@ def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequenc
     places: list[Label] = []
     known = _Known()
     for name, text in settings.items():
-        target = _target(program, name, roots)
+        target = target_of(program, name, roots)
         known.add(name, target)
-        value = _value(name, text, target.type, is_constant=not target.roots)
+        value = value_of(name, text, target.type, is_constant=not target.roots)
         if not target.roots:
             constants[target.path] = value
         elif target.is_qualified:
@@ -161,7 +161,7 @@ def constant_setting(program: Program, name: str, text: str) -> tuple[ast.Consta
         listed = f"the parameters are {', '.join(known)}" if known else "there are none"
         raise SettingError(f"there is no parameter {name!r} of the program ({listed})")
     target = _constant_target(program, constant, path.removeprefix(f"{CONSTANT}."), name)
-    return constant, target.positions, _value(name, text, target.type, is_constant=True)
+    return constant, target.positions, value_of(name, text, target.type, is_constant=True)
 
 
 class _Known:
@@ -172,7 +172,7 @@ class _Known:
         self._around: dict[_Place, str] = {}
         """Everything that has a part that is set, by the name of one such part."""
 
-    def add(self, name: str, target: _Target) -> None:
+    def add(self, name: str, target: Target) -> None:
         """Add a target. Raises SettingError if it, a part of it, or something that it is a part of is already set."""
         for place in target.places:
             if place in self._set:
@@ -191,7 +191,7 @@ def _both_set(part: str, whole: str) -> SettingError:
     return SettingError(f"{part} is set twice: by itself and as a part of {whole}")
 
 
-def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
+def target_of(program: Program, name: str, roots: Sequence[Root]) -> Target:
     """The one thing that a name means. Raises SettingError if it means nothing or several things."""
     from cspdiag.network.lower.meant_settings import meant_constant, no_parameter_either, unknown_name
     from cspdiag.network.lower.setting_paths import steps_of
@@ -218,7 +218,7 @@ def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
     raise SettingError(f"{name!r} means more than one thing; write the one that is meant: {ways}")
 
 
-def _is_one(found: Sequence[_Target]) -> bool:
+def _is_one(found: Sequence[Target]) -> bool:
     """Whether a name sets the same thing in several roots: a parameter of one type, in processes or in environments."""
     return (
         len({(target.type, target.is_qualified) for target in found}) == 1
@@ -236,9 +236,9 @@ def _constant(program: Program, name: str) -> tuple[ast.Constant | None, str]:
     return None, path
 
 
-def _constant_target(program: Program, constant: ast.Constant, path: str, name: str) -> _Target:
+def _constant_target(program: Program, constant: ast.Constant, path: str, name: str) -> Target:
     type_, positions = _part(program, constant, path, name)
-    return _Target(path=path, item=constant, type=type_, positions=positions)
+    return Target(path=path, item=constant, type=type_, positions=positions)
 
 
 def _has_parts(type_: Type) -> bool:
@@ -247,7 +247,8 @@ def _has_parts(type_: Type) -> bool:
     return isinstance(type_, ArrayType | StructType)
 
 
-def _value(name: str, text: str, type_: Type, *, is_constant: bool) -> Value:
+def value_of(name: str, text: str, type_: Type, *, is_constant: bool) -> Value:
+    """The value that a text has for what a name sets, of this type. Raises SettingError."""
     from cspdiag.model.constants.values import parse_value
     from cspdiag.model.types import StructType, TimeType
 
@@ -290,7 +291,7 @@ def _part(program: Program, constant: ast.Constant, path: str, name: str) -> tup
         raise SettingError(f"there is no constant {name!r} ({meant})") from None
 
 
-def _parameters(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> list[_Target]:
+def _parameters(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> list[Target]:
     """The parameters that a path can mean: inside each of the roots, or after the name of one."""
     from cspdiag.network.lower.setting_paths import parameter_at, paths_inside
 
@@ -301,5 +302,5 @@ def _parameters(program: Program, steps: tuple[PathStep, ...], roots: Sequence[R
             if isinstance(end, ast.Parameter):
                 path = ".".join(map(str, inner))
                 kind = program.types[end]
-                found.append(_Target(path, end, kind, roots=(root,), is_qualified=inner is not steps))
+                found.append(Target(path, end, kind, roots=(root,), is_qualified=inner is not steps))
     return found

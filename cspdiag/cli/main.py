@@ -35,6 +35,7 @@ VERBS = {
     "compile": "generate a controller package",
     "run": "run a program against an environment",
     "devices": "show the devices that drivers can name, and what is plugged in",
+    "sweep": "run a program with many values, and tabulate what is measured",
     "show": "show what a recording has",
     "verify": "prove what programs assert, or show how it fails",
     "margins": "compute the gain, phase and delay margins of the loops through the plant",

@@ -27,7 +27,7 @@ from cspdiag.simulate.native.monitor import ProgramMonitor
 from cspdiag.simulate.native.recorded_inputs import VARIABLE, with_recorded_inputs, write_inputs
 from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import PassedRows
-from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader
+from cspdiag.simulate.native.stream import CHUNK, StreamReader
 from cspdiag.simulate.native.supervisor import Supervisor
 from cspdiag.simulate.native.tuning import GivenChanges, LiveChanges, given_changes
 from cspdiag.simulate.record.recorder import Recorder
@@ -336,24 +336,23 @@ def _outcome(
     if supervisor.killed:
         outcome.release_errors.append(supervisor.kill_error)
     if ended == "failed":
-        outcome.error = _error(end, environment)
+        outcome.error = failure_of(end.exception, end.message, end.place, environment)
     if ended == "deadlock":
         outcome.deadlock = deadlock_report(end.time, reader.waiting, network, reader.recorder)
     return outcome
 
 
-def _error(end: EndRecord, environment: Environment | None) -> BaseException:
-    """The exception with which the same program ends in Python."""
+def failure_of(exception: str, message: str, place: str, environment: Environment | None) -> BaseException:
+    """The exception with which the same program ends in Python, from what a native program reports of it."""
     from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, Place, ProcessError, Timeout
 
-    process, _, statement = end.place.partition(" (")
-    place = Place(process, statement.removesuffix(")") or None) if process else None
-    if not end.exception:
-        cause = Fault(end.message)
-        return EnvironmentFailure(environment.name if environment is not None else "", cause, place)
-    if end.exception == "Fault":
-        return Fault(end.message, place)
-    kind: type[ProcessError] = Timeout if end.exception == "Timeout" else type(end.exception, (ProcessError,), {})
-    error = kind(*([end.message] if end.message else []))
-    error.place = place
+    process, _, statement = place.partition(" (")
+    at = Place(process, statement.removesuffix(")") or None) if process else None
+    if not exception:
+        return EnvironmentFailure(environment.name if environment is not None else "", Fault(message), at)
+    if exception == "Fault":
+        return Fault(message, at)
+    kind: type[ProcessError] = Timeout if exception == "Timeout" else type(exception, (ProcessError,), {})
+    error = kind(*([message] if message else []))
+    error.place = at
     return error

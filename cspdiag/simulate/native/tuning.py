@@ -11,8 +11,8 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from cspdiag.base.record import record
-from cspdiag.model.types import ArrayType, StructType, Type
-from cspdiag.simulate.native.values import encoded, offset_of
+from cspdiag.model.types import StructType
+from cspdiag.simulate.native.values import encoded, offset_of, type_at
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import CoreNetwork
@@ -97,19 +97,7 @@ class ChangeWriter:
 
     def _record(self, change: Change) -> bytes:
         path = (self._positions[change.parameter], *change.path)
-        value = encoded(_type_at(self._all, path), change.value)
+        value = encoded(type_at(self._all, path), change.value)
         number = len(self.changes)
         self.changes.append(change)
         return _HEAD.pack(change.time, number, offset_of(self._all, path), len(value), 0) + value
-
-
-def _type_at(kind: Type, path: tuple[int, ...]) -> Type:
-    for position in path:
-        match kind:
-            case StructType():
-                kind = kind.fields[position][1]
-            case ArrayType():
-                kind = kind.element
-            case _:
-                raise ValueError(f"{kind} has no parts")
-    return kind

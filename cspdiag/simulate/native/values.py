@@ -35,7 +35,7 @@ def layout(type_: Type) -> tuple[int, int]:
                 size, alignment = -(-size // aligned) * aligned + inner, max(alignment, aligned)
             return -(-size // alignment) * alignment, alignment
         case BoolType() | IntType() | RealType() | TimeType() | TextType() | EnumType() | UnknownType():
-            size = struct.calcsize(_letter(type_))
+            size = struct.calcsize(letter_of(type_))
             return size, size
         case _:
             assert_never(type_)
@@ -44,7 +44,7 @@ def layout(type_: Type) -> tuple[int, int]:
 def decoder(type_: Type) -> Decoder:
     """A function that decodes a value from its bytes: bool, int, float, and tuples for structs and arrays."""
     if not isinstance(type_, StructType | ArrayType):
-        single = struct.Struct(f"={_letter(type_)}")
+        single = struct.Struct(f"={letter_of(type_)}")
         if isinstance(type_, BoolType):
             return lambda data: data != b"\0"
         return lambda data: single.unpack(data)[0]
@@ -61,7 +61,7 @@ def decoder(type_: Type) -> Decoder:
 def encoded(type_: Type, value: Any) -> bytes:
     """The bytes of a value: bool, int, float, or a sequence for a struct or an array."""
     if not isinstance(type_, StructType | ArrayType):
-        return struct.pack(f"={_letter(type_)}", value)
+        return struct.pack(f"={letter_of(type_)}", value)
     data = bytearray()
     for part, inner in zip(_parts(type_), value, strict=True):
         _, alignment = layout(part)
@@ -84,6 +84,14 @@ def offset_of(type_: Type, path: Sequence[int]) -> int:
     return offset
 
 
+def type_at(type_: Type, path: Sequence[int]) -> Type:
+    """The type of the part at a path of positions."""
+    for position in path:
+        assert isinstance(type_, StructType | ArrayType)
+        type_ = _parts(type_)[position]
+    return type_
+
+
 def numpy_type(type_: Type) -> numpy.dtype:
     """The type of numpy for values as they are in memory; those of arrays have a shape."""
     import numpy
@@ -92,7 +100,7 @@ def numpy_type(type_: Type) -> numpy.dtype:
         return numpy.dtype((numpy_type(type_.element), (type_.size or 0,)))
     if isinstance(type_, StructType):
         return numpy.dtype([(name, numpy_type(kind)) for name, kind in type_.fields], align=True)
-    return numpy.dtype(f"={_letter(type_)}")
+    return numpy.dtype(f"={letter_of(type_)}")
 
 
 def _parts(type_: StructType | ArrayType) -> list[Type]:
@@ -101,7 +109,7 @@ def _parts(type_: StructType | ArrayType) -> list[Type]:
     return [type_.element] * (type_.size or 0)
 
 
-def _letter(type_: Type) -> str:
+def letter_of(type_: Type) -> str:
     """The letter of the module ``struct`` for a type that is one number."""
     match type_:
         case BoolType():

@@ -83,15 +83,16 @@ def simulate(
     recording: Recording | None = None,
     inputs: RecordedInputs | None = None,
     changes: Iterable[Change] = (),
+    on_environment: Callable[[object], None] | None = None,
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
     ``until`` is a time limit in nanoseconds. ``recording`` is given the values of the external ports while the run goes
     on; the caller finishes it. ``inputs``: what the environment gives instead of what it computes. ``probe_variables``
     also records the values of variables that have a unit, ``measured`` how long laws compute. ``changes`` are those of
-    parameters of the program. ``on_start`` is passed the running network, whose ``now`` is the present instant. Signals
-    and what the program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError and
-    BodyError, and Stopped if a signal arrives before the run.
+    parameters of the program. ``on_start`` is passed the running network, whose ``now`` is the present instant, and
+    ``on_environment`` its environment, before the run. Signals and what the program raises end the run with an outcome,
+    not with an exception. Raises NoEnvironmentError and BodyError, and Stopped if a signal arrives before the run.
     """
     chosen = chosen_environment(network, environment)
     if chosen is not None:
@@ -113,6 +114,8 @@ def simulate(
             from cspdiag.simulate.record.stored.inputs import replace_environment
 
             replace_environment(plant, inputs)
+        if on_environment is not None and plant is not None:
+            on_environment(plant)
         if probe_variables:
             probe(running, network, recorder)
         if measured:

@@ -74,7 +74,7 @@ from cspdiag.model.types import ArrayType, StructType, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import TunableValue
-from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass
+from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass, SubmodelState
 from cspdiag.network.ir.walk import parts
 
 _LOCALS = LOCALS | {"program", "now", "present", "self", "state", "device", "value", "last"}
@@ -140,6 +140,12 @@ class EnvironmentFiles:
         """The member of the struct that has the present value of a port of the program."""
         name = self._members[port.key]
         return f"{name}[0]" if port.medium == "event" else name
+
+    @property
+    def state_members(self) -> list[tuple[SubmodelState, str]]:
+        """The states of the environment, with their members of the struct."""
+        states = () if self._system is None else self._system.states
+        return [(state, self._members[state.name]) for state in states]
 
     def files(self) -> dict[str, str]:
         """The header and the source."""

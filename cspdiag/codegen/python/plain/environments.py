@@ -57,8 +57,9 @@ from cspdiag.devices.catalogue import DEVICES
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.network import DriverInstance, Environment, Network, SubmodelClass, SubmodelState
+from cspdiag.network.ir.network import CoreNetwork, DriverInstance, Environment, Network, SubmodelClass, SubmodelState
 from cspdiag.network.ir.zero import zero
+from cspdiag.optimize import lower_for_targets
 
 ELAPSED = infix("-", SUM, Name("now"), own("now"))
 """The time from the previous instant to the present one."""
@@ -88,6 +89,25 @@ def environment_module(
     return EnvironmentWriter(environment, network, names, modules).module()
 
 
+def _signal_names(types: Iterable[str], members: Iterable[str], names: PackageNames) -> Names:
+    """The names of the signals of an environment in its module."""
+    found = Names({*members, *names.constants.values()})
+    for name in types:
+        found[name]
+    return found
+
+
+def state_attributes(environment: Environment, network: CoreNetwork) -> list[str]:
+    """The attributes with the states of an environment, in their order, in the code of ``-O0``."""
+    lowered = lower_for_targets(network)
+    system = next(entry.system for entry in lowered.environments if entry.name == environment.name)
+    if system is None:
+        return []
+    tunable = words("parameters" if lowered.parameters else "")
+    names = _signal_names(signal_types(system), {*MEMBERS, *tunable}, PackageNames(lowered))
+    return [names[state.name] for state in system.states]
+
+
 class EnvironmentWriter:
     """Writes the module of one environment; the optimized target overrides its computations."""
 
@@ -103,10 +123,8 @@ class EnvironmentWriter:
         self.modules = modules
         self.system = environment.system
         self.tunable = words("parameters" if network.parameters else "")
-        self.names = Names({*self.members, *self.tunable, *names.constants.values()})
         self.types = signal_types(self.system) if self.system is not None else {}
-        for name in self.types:
-            self.names[name]
+        self.names = _signal_names(self.types, {*self.members, *self.tunable}, names)
         for device in environment.drivers:
             self.names[device.name]
         self.linear = [] if self.system is None else linear_steps(self.system, self.names)

@@ -13,7 +13,7 @@ from tests.cli.conftest import Command
 needs_compiler = pytest.mark.skipif(
     not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="no C compiler: install gcc or clang"
 )
-WATCHDOG = str(Path(__file__).parents[3] / "models/watchdog/watchdog.csp")
+WATCHDOG = str(Path(__file__).parents[4] / "models/watchdog/watchdog.csp")
 
 
 @pytest.fixture

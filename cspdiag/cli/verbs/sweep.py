@@ -1,0 +1,212 @@
+"""``cspdiag sweep``: run a program with many values, and tabulate what is measured."""
+
+from __future__ import annotations
+
+import time
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from contextlib import closing, nullcontext
+from typing import TYPE_CHECKING
+
+from cspdiag.base.sources import read_source
+from cspdiag.cli.support.failure import FINE, INTERRUPTED, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.files.written import file_path, require_different, require_file
+from cspdiag.cli.support.numbers import add_real
+from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from cspdiag.sweep.partial import PartialTable
+    from cspdiag.sweep.plan import Plan
+    from cspdiag.sweep.table import Sweep
+
+EXAMPLE = (
+    "cspdiag sweep models/jiwy/jiwy.csp --set pan.inertia=0.8e-3:1.2e-3:5 --measure 'peak(control_horizontal)'\n"
+    "cspdiag sweep models/jiwy/jiwy.csp --set panGains.kp=1:4:20 --measure 'rms(pan.speed)' -o kp.csv --plot kp.svg"
+)
+
+_PICTURES = (".svg", ".png", ".pdf")
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument("--environment", metavar="NAME", help="the environment to run in (default: the first)")
+    parser.add_argument("--for", metavar="TIME", dest="until", help="end each run at this time, such as 20s or 500ms")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUES", dest="settings",
+        help="a parameter (gains.kp), an instance's parameter (pan.inertia) or a constant (Tsh), with a range "
+        "FIRST:LAST:COUNT, a range in equal ratios FIRST:LAST:COUNT:log, a list A,B,C or one value; may be given "
+        "again: all combinations are run",
+    )  # fmt: skip
+    parser.add_argument(
+        "--measure", action="append", default=[], metavar="MEASURE", dest="measures",
+        help="max, min, peak, mean, rms, last or integral of a port or a state of the environment: 'rms(pan.speed)'; "
+        "of a difference, or its absolute value: 'integral(abs(a - b))'; settling(SIGNAL, TARGET, TOLERANCE), "
+        "overshoot(SIGNAL, TARGET); may be given again",
+    )  # fmt: skip
+    add_real(parser)
+    parser.add_argument(
+        "--target", choices=("auto", "c", "python"), default="auto",
+        help="natively if possible (default), natively, or in Python",
+    )  # fmt: skip
+    parser.add_argument(
+        "--workers", type=_count, metavar="N", help="processes that make runs (default: one for each processor)"
+    )
+    parser.add_argument("-o", "--output", type=file_path, metavar="FILE", help="the table, as .csv or .parquet")
+    parser.add_argument("--plot", type=file_path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
+    parser.add_argument("--resume", action="store_true", help="continue a sweep that was interrupted, with the same -o")
+    parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
+
+
+def _count(text: str) -> int:
+    if not text.isascii() or not text.isdecimal() or not 1 <= int(text[:9]) <= 1024 or len(text) > 4:
+        raise ArgumentTypeError(f"expected a number of processes from 1 to 1024, not {text!r}")
+    return int(text)
+
+
+def run(arguments: Namespace) -> int:
+    """Plan, run, tabulate; exit code 0 if every run has a row, however it ended."""
+    from cspdiag.sweep.plan import InvalidProgramError
+
+    _check_outputs(arguments)
+    try:
+        plan = _planned(arguments)
+    except InvalidProgramError as problem:
+        show_diagnostics(problem.diagnostics, arguments.color)
+        return UNSUCCESSFUL
+    show_diagnostics(plan.warnings, arguments.color)
+    _require_end(plan)
+    if plan.variants > 1 and arguments.target != "python" and not arguments.quiet:
+        names = " and ".join(f"`{name}`" for name in plan.compiled_names)
+        say(f"{plan.variants} programs are built, one for each value of {names}: a `parameter` would need one only")
+    sweep = _swept(arguments, plan)
+    if sweep is None:
+        return INTERRUPTED
+    if arguments.output is None:
+        from cspdiag.sweep.table import text_lines
+
+        write_out("".join(f"{line}\n" for line in text_lines(sweep)))
+    return FINE
+
+
+def _check_outputs(arguments: Namespace) -> None:
+    """Refuse what could not be written, before the work instead of after it."""
+    from importlib.util import find_spec
+
+    from cspdiag.sweep.table import ENDINGS
+
+    require_file("-o", arguments.output, ENDINGS)
+    require_file("--plot", arguments.plot, _PICTURES)
+    require_different({"the program": arguments.file, "-o": arguments.output, "--plot": arguments.plot})
+    if arguments.resume and arguments.output is None:
+        raise UsageError("--resume continues a sweep with -o FILE, next to which its results are")
+    if arguments.output is not None and arguments.output.suffix == ".parquet" and find_spec("pyarrow") is None:
+        raise UsageError('-o FILE.parquet needs pyarrow: pip install "cspdiag[parquet]"')
+    if arguments.plot is not None and find_spec("matplotlib") is None:
+        raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
+
+
+def _planned(arguments: Namespace) -> Plan:
+    from cspdiag.network.lower.program import SelectionError
+    from cspdiag.settings import SettingError, parse_time_limit, split_settings
+    from cspdiag.simulate.run.execute import NoEnvironmentError
+    from cspdiag.sweep.measures import MeasureError
+    from cspdiag.sweep.plan import Request, plan_sweep
+
+    try:
+        request = Request(
+            source=read_source(arguments.file),
+            given=split_settings(arguments.settings),
+            measures=arguments.measures,
+            environment=arguments.environment,
+            until=None if arguments.until is None else parse_time_limit(arguments.until),
+            real=arguments.real or "double",
+        )
+        return plan_sweep(request, read_source)
+    except (SettingError, SelectionError, MeasureError, NoEnvironmentError) as problem:
+        raise UsageError(str(problem)) from None
+
+
+def _require_end(plan: Plan) -> None:
+    """Refuse runs that never end."""
+    if plan.never_ends:
+        name = plan.first.class_named(plan.first.top).definition
+        raise UsageError(f"{name} never ends by itself: say when each run ends, such as --for 20s")
+
+
+def _swept(arguments: Namespace, plan: Plan) -> Sweep | None:
+    """The whole table, which is written; None if the sweep was interrupted."""
+    from cspdiag import __version__
+    from cspdiag.sweep.partial import PartialTable, ResumeError
+
+    if arguments.output is None or (arguments.output.exists() and not arguments.output.is_file()):
+        sweep = _with_results(arguments, plan, None)
+        if sweep is not None and arguments.output is not None:
+            _write(sweep, arguments.output)
+        return sweep
+    try:
+        partial = PartialTable(plan, arguments.output, resume=arguments.resume, version=__version__)
+    except ResumeError as problem:
+        raise UsageError(str(problem)) from None
+    with partial:
+        sweep = _with_results(arguments, plan, partial)
+        if sweep is not None:
+            _write(sweep, arguments.output)
+            partial.remove()
+    return sweep
+
+
+def _write(sweep: Sweep, path: Path) -> None:
+    try:
+        sweep.write(path)
+    except OSError as problem:
+        raise OSError(problem.errno, problem.strerror, problem.filename or str(path)) from None
+
+
+def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None) -> Sweep | None:
+    from cspdiag.cli.support.runs.sweep_progress import SweepProgress
+    from cspdiag.codegen import target_errors
+    from cspdiag.simulate.native.build import CompilerError
+    from cspdiag.sweep.execute import Jobs, make_runs, processors
+    from cspdiag.sweep.table import Sweep
+
+    results = dict(partial.known if partial is not None else {})
+    missing = [run for run in range(len(plan.grid)) if run not in results]
+    progress = None if arguments.quiet else SweepProgress(len(plan.grid), len(results))
+    jobs = Jobs(plan, read_source, arguments.target)
+    began = time.monotonic()
+    building = nullcontext() if progress is None else closing(progress)
+    try:
+        with building:
+            found = make_runs(
+                plan, missing, jobs,
+                workers=min(arguments.workers or processors(), max(1, len(missing))),
+                on_build=lambda number: progress.building(number, plan.variants) if progress is not None else None,
+            )  # fmt: skip
+            with closing(found):
+                for run, result in found:
+                    results[run] = result
+                    if partial is not None:
+                        partial.add(run, result)
+                    if progress is not None:
+                        progress.done()
+    except KeyboardInterrupt:
+        _say_interrupted(arguments, len(results), len(plan.grid), partial)
+        return None
+    except (CompilerError, target_errors()) as problem:
+        raise NoResultError(str(problem)) from None
+    sweep = Sweep(plan.grid, plan.measures, results, jobs.made)
+    if arguments.plot is not None:
+        sweep.plot(arguments.plot)
+    if not arguments.quiet:
+        say(f"{len(sweep)} runs in {time.monotonic() - began:.3g} s, {sweep.made}: {sweep.summary()}")
+    return sweep
+
+
+def _say_interrupted(arguments: Namespace, done: int, total: int, partial: PartialTable | None) -> None:
+    if partial is None:
+        say(f"cspdiag: interrupted after {done} of {total} runs; with -o FILE, they would be kept for --resume")
+    else:
+        where = f"in {partial.path}; --resume makes the others"
+        say(f"cspdiag: interrupted after {done} of {total} runs, which are {where}")

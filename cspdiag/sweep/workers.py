@@ -1,0 +1,130 @@
+"""Processes that make runs, one after the other, and what happens when one of them dies."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from typing import IO, Protocol
+
+from cspdiag.base.record import record
+from cspdiag.runtime.kernel.signals import name_of_signal
+from cspdiag.sweep.result import Result, without_measures
+
+_LARGEST_BATCH = 1 << 15
+"""In bytes: a pipe holds that much, so writing tasks never waits for a process that waits for its reader."""
+
+
+class Exchange(Protocol):
+    """What goes to a process and comes from it."""
+
+    head: bytes
+    """What it is given once."""
+
+    def task(self, run: int) -> bytes:
+        """What it is given for a run."""
+
+    def read(self, stream: IO[bytes]) -> Result | None:
+        """The next result; None if the process has ended before that."""
+
+
+@record
+class Job:
+    """How the runs of a variant are made: the command of the process, and what is exchanged with it."""
+
+    command: tuple[str, ...]
+    exchange: Exchange
+    runs_once: bool
+    measures: int
+
+
+class Worker:
+    """A process that makes runs, which is started again when it dies, for another job, or after each run if need be."""
+
+    def __init__(self) -> None:
+        self._job: Job | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+        self._closed = False
+
+    def results(self, job: Job, runs: Sequence[int]) -> Iterator[tuple[int, Result]]:
+        """The results of runs, as they are known. A run in which a process dies is made once more in another one."""
+        pending, suspect = list(runs), -1
+        while pending and not self._closed:
+            count = 1 if job.runs_once or suspect == pending[0] else len(pending)
+            done = 0
+            for run, result in self._batch(job, pending[:count]):
+                yield run, result
+                done += 1
+            if self._closed:
+                return
+            if done < count:
+                how = self.end()
+                if pending[done] == suspect:
+                    yield suspect, without_measures("crashed", how, job.measures)
+                    done += 1
+                    suspect = -1
+                else:
+                    suspect = pending[done]
+            elif job.runs_once:
+                self.end()
+            del pending[:done]
+
+    def _batch(self, job: Job, runs: Sequence[int]) -> Iterator[tuple[int, Result]]:
+        """The results up to the end of the process."""
+        process = self._started(job)
+        assert process.stdin is not None
+        assert process.stdout is not None
+        waiting = list(runs)
+        while waiting:
+            size, tasks = 0, list[bytes]()
+            for run in waiting:
+                task = job.exchange.task(run)
+                size += len(task)
+                if tasks and size > _LARGEST_BATCH:
+                    break
+                tasks.append(task)
+            with suppress(OSError, ValueError):  # It has died, as the missing result shows.
+                process.stdin.write(b"".join(tasks))
+                process.stdin.flush()
+            for _ in tasks:
+                result = job.exchange.read(process.stdout)
+                if result is None:
+                    return
+                yield waiting.pop(0), result
+
+    def _started(self, job: Job) -> subprocess.Popen[bytes]:
+        if self._process is None or self._job is not job:
+            self.end()
+            self._job = job
+            # In a session of its own: Ctrl-C is for this process, which ends it.
+            self._process = subprocess.Popen(
+                job.command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+            )
+            assert self._process.stdin is not None
+            with suppress(OSError):
+                self._process.stdin.write(job.exchange.head)
+        return self._process
+
+    def end(self) -> str:
+        """End the process; how it had ended, if it had died."""
+        process, self._process = self._process, None
+        if process is None:
+            return ""
+        with suppress(OSError):
+            if process.stdin is not None:
+                process.stdin.close()
+        if process.stdout is not None:
+            process.stdout.close()
+        code = process.wait()
+        return f"the process {f'was ended by {name_of_signal(-code)}' if code < 0 else f'ended with code {code}'}"
+
+    def close(self) -> None:
+        """End the process at once; from any thread."""
+        self._closed = True
+        process = self._process
+        if process is not None:
+            process.kill()

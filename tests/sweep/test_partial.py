@@ -1,0 +1,77 @@
+"""The file of a sweep that is not finished."""
+
+from __future__ import annotations
+
+import resource
+from pathlib import Path
+
+import pytest
+
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.sweep.partial import PartialTable, ResumeError
+from cspdiag.sweep.plan import Plan, Request, plan_sweep
+from cspdiag.sweep.result import Result
+from tests.sweep.programs import HEATER
+
+RESULT = Result("failed", 0.1 + 0.2, 'a text, with "quotes"', (1 / 3, None))
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    source = SourceFile(name="heater.csp", text=HEATER)
+    request = Request(
+        source=source, given={"gain": "1:2:9"}, measures=["max(power)", "min(power)"], environment=None, until=1
+    )
+    return plan_sweep(request, read_source)
+
+
+def opened(plan: Plan, folder: Path, *, resume: bool = True, version: str = "1") -> PartialTable:
+    return PartialTable(plan, folder / "table.csv", resume=resume, version=version)
+
+
+def test_results_are_read_as_they_were_written(plan: Plan, tmp_path: Path) -> None:
+    with opened(plan, tmp_path, resume=False) as table:
+        table.add(7, RESULT)
+        table.add(2, RESULT)
+    with opened(plan, tmp_path) as table:
+        assert table.known == {7: RESULT, 2: RESULT}
+
+
+@pytest.mark.parametrize("lost", [1, 5, 30])
+def test_a_line_that_was_cut_is_written_again(plan: Plan, tmp_path: Path, lost: int) -> None:
+    with opened(plan, tmp_path, resume=False) as table:
+        table.add(7, RESULT)
+        table.add(2, RESULT)
+        path = table.path
+    path.write_bytes(path.read_bytes()[:-lost])
+    with opened(plan, tmp_path) as table:
+        assert table.known == {7: RESULT}
+        table.add(3, RESULT)
+    with opened(plan, tmp_path) as table:
+        assert table.known == {7: RESULT, 3: RESULT}
+
+
+def test_another_version_makes_another_sweep(plan: Plan, tmp_path: Path) -> None:
+    with opened(plan, tmp_path, resume=False) as table:
+        table.add(7, RESULT)
+    with pytest.raises(ResumeError, match="belongs to another sweep"):
+        opened(plan, tmp_path, version="2")
+    with pytest.raises(ResumeError, match="has results of an interrupted sweep"):
+        opened(plan, tmp_path, resume=False)
+
+
+def test_a_full_disk_is_an_error_with_the_name_of_the_file(plan: Plan, tmp_path: Path) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    with opened(plan, tmp_path, resume=False) as table:
+        table.add(1, RESULT)
+        size = table.path.stat().st_size
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size + 10, before[1]))
+        try:
+            with pytest.raises(OSError, match="File too large") as caught:
+                table.add(2, RESULT)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert caught.value.filename == str(table.path)
+    with opened(plan, tmp_path) as table:
+        assert table.known == {1: RESULT}
