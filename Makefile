@@ -29,6 +29,7 @@ test: $(VENV)/.stamp-dev ## Run the whole test suite
 hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for some hours
 	$(BIN)/python -m tests.robustness.hunt --count 100000
 	$(BIN)/python -m tests.robustness.test_fixed_programs 20000
+	$(BIN)/python -m tests.lsp.hunt
 	$(BIN)/python -m tests.proofs.hunt --random 20000
 	$(BIN)/python -m tests.proofs.refine.test_random_refinements 10000
 	$(BIN)/python -m tests.simulate.exits

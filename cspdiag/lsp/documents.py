@@ -57,6 +57,11 @@ def identity(name: str) -> str:
     return os.path.realpath(name)
 
 
+def is_bundled(name: str) -> bool:
+    """Whether a source file is a library that comes with cspdiag, or was made by it; neither can be changed."""
+    return not os.path.isabs(name) or not name.endswith(".csp")
+
+
 def name_of(uri: str) -> str:
     """The name of the source file at a URI: its path, or the URI itself if that is not the URI of a file."""
     path = uris.to_fs_path(uri) if uri.startswith("file:") else None

@@ -1,22 +1,19 @@
-"""The server: connects the features with the protocol."""
+"""The server: what is open, and which diagnostics the editor shows."""
 
 from __future__ import annotations
 
 import asyncio
-import sys
 import time
 from collections.abc import Iterator
 from typing import Any
 
 from lsprotocol import types
-from pygls.capabilities import ServerCapabilitiesBuilder
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
 from cspdiag import __version__
-from cspdiag.lsp.documents import MAX_CHARACTERS, Document
-from cspdiag.lsp.features import completion, diagnostics, hover, outline
-from cspdiag.lsp.positions import Encoding
+from cspdiag.lsp.documents import MAX_CHARACTERS, Document, name_of
+from cspdiag.lsp.features import diagnostics
 from cspdiag.lsp.session import Session
 from cspdiag.lsp.view import View
 
@@ -128,7 +125,32 @@ class CspdiagServer(LanguageServer):
                 if user is not document:
                     self.changed(user)
 
+    def answered(self, uri: str, view: View) -> None:
+        """Show what was proved of a program, if it still has the same text."""
+        document = self.session.documents.get(uri)
+        if document is None or self.session.view(document) is not view:
+            return
+        self._publish(document)
+        workspace = self.client_capabilities.workspace
+        if workspace is not None and workspace.code_lens is not None and workspace.code_lens.refresh_support:
+            self.workspace_code_lens_refresh(None)
+
     # Requests
+
+    @property
+    def folders(self) -> list[str]:
+        """The folders that the editor has open."""
+        return [name_of(folder.uri) for folder in self.workspace.folders.values()]
+
+    def document(self, uri: str) -> Document | None:
+        """An open document; None if it is not open or too large."""
+        document = self.session.documents.get(uri)
+        return None if document is None or document.is_too_large else document
+
+    def offsets(self, view: View, range_: types.Range) -> tuple[int, int]:
+        """The offsets of a range in the main file of a program."""
+        positions = self.session.positions
+        return positions.offset(view.main, range_.start), positions.offset(view.main, range_.end)
 
     def place(self, params: Any) -> tuple[View, int] | None:
         """The program and the offset that a request is about; None if nothing is known of its document."""
@@ -139,81 +161,5 @@ class CspdiagServer(LanguageServer):
 
     def view(self, uri: str) -> View | None:
         """The program of an open document; None if it is not open or too large."""
-        document = self.session.documents.get(uri)
-        return None if document is None or document.is_too_large else self.session.view(document)
-
-
-def encoding_of(capabilities: types.ClientCapabilities) -> Encoding:
-    """The code units of positions, as pygls announces them to the editor."""
-    match ServerCapabilitiesBuilder.choose_position_encoding(capabilities):
-        case types.PositionEncodingKind.Utf8:
-            return "utf-8"
-        case types.PositionEncodingKind.Utf32:
-            return "utf-32"
-        case _:  # The default of the protocol; there are no others.
-            return "utf-16"
-
-
-server = CspdiagServer()
-
-
-@server.feature(types.INITIALIZE)
-def _initialize(ls: CspdiagServer, params: types.InitializeParams) -> None:
-    ls.session.positions.encoding = encoding_of(params.capabilities)
-
-
-@server.feature(types.TEXT_DOCUMENT_DID_OPEN)
-def _opened(ls: CspdiagServer, params: types.DidOpenTextDocumentParams) -> None:
-    item = params.text_document
-    ls.changed(ls.session.documents.open(item.uri, item.text, item.version))
-
-
-@server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
-def _changed(ls: CspdiagServer, params: types.DidChangeTextDocumentParams) -> None:
-    document = ls.session.documents.get(params.text_document.uri)
-    if document is not None:
-        document.change(params.content_changes, params.text_document.version, ls.session.positions)
-        ls.changed(document)
-
-
-@server.feature(types.TEXT_DOCUMENT_DID_CLOSE)
-def _closed(ls: CspdiagServer, params: types.DidCloseTextDocumentParams) -> None:
-    ls.closed(params.text_document.uri)
-
-
-@server.feature(types.TEXT_DOCUMENT_DID_SAVE)
-def _saved(ls: CspdiagServer, params: types.DidSaveTextDocumentParams) -> None:
-    for document in ls.session.documents:
-        ls.changed(document)
-
-
-@server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
-def _files_changed(ls: CspdiagServer, params: types.DidChangeWatchedFilesParams) -> None:
-    for document in ls.session.documents:
-        ls.changed(document)
-
-
-@server.feature(types.TEXT_DOCUMENT_HOVER)
-def _hover(ls: CspdiagServer, params: types.HoverParams) -> types.Hover | None:
-    place = ls.place(params)
-    return None if place is None else hover.hover(*place, ls.session.positions)
-
-
-@server.feature(
-    types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=[".", "<", ":", "(", ">", "?", "!"])
-)
-def _completion(ls: CspdiagServer, params: types.CompletionParams) -> list[types.CompletionItem]:
-    place = ls.place(params)
-    return [] if place is None else completion.completion(*place, ls.session.positions)
-
-
-@server.feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
-def _outline(ls: CspdiagServer, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
-    view = ls.view(params.text_document.uri)
-    return [] if view is None else outline.outline(view, ls.session.positions)
-
-
-def serve() -> None:
-    """Serve an editor on standard input and output until it ends the connection."""
-    sys.setrecursionlimit(max(sys.getrecursionlimit(), 10_000))
-    server.start_io()
+        document = self.document(uri)
+        return None if document is None else self.session.view(document)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.lsp.documents import Document, Documents, identity
+from cspdiag.lsp.folders import importers
 from cspdiag.lsp.positions import Positions
 from cspdiag.lsp.view import View
+from cspdiag.pipeline import Reader
 from cspdiag.syntax import ast
 from cspdiag.syntax.on_demand import parsed
 
@@ -38,6 +42,19 @@ class Session:
         self._forget()
         return view
 
+    def views_with(self, file: str, folders: Sequence[str]) -> list[View]:
+        """The programs that contain a file, given by its identity: those of open documents, and those in folders."""
+        views = [self.view(each) for each in self.documents if not each.is_too_large]
+        known = {view.main.name for view in views}
+        for name in importers(file, folders, self.documents):
+            if name not in known:
+                views.append(self.view_of(self.documents.read(name), self.documents.read))
+        return [view for view in views if any(identity(name) == file for name in view.sources)]
+
+    def view_of(self, main: SourceFile, read: Reader) -> View:
+        """A program that is not kept, because no document that is open is its main file, or not with this text."""
+        return View(main, read, parsed)
+
     def close(self, uri: str) -> None:
         """Forget an open document."""
         document = self.documents.get(uri)
@@ -66,6 +83,11 @@ class Session:
         for mistake in known[2]:
             report.add(mistake)
         return known[1]
+
+    @property
+    def remembered(self) -> int:
+        """How many trees are kept, without those of bundled libraries."""
+        return sum(not name.startswith("std/") for name in self._trees)
 
     def _forget(self) -> None:
         """Keep only the trees of files that belong to a program of an open document."""

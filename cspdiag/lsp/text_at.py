@@ -191,13 +191,14 @@ def written(declared: Declared) -> str:
 
 @record
 class Called:
-    """An instance or a call whose arguments are being written: its name, the arguments named so far, and the number of
-    complete arguments.
+    """An instance or a call whose arguments are being written: its name, the arguments named so far, the number of
+    complete arguments, and the name of the present one if it has one.
     """
 
     name: str
     named: frozenset[str]
     count: int
+    present: str | None
 
 
 def called(before: Sequence[Token]) -> Called | None:
@@ -222,12 +223,16 @@ def called(before: Sequence[Token]) -> Called | None:
 def _called(name: str, inside: Sequence[Token]) -> Called:
     depth = count = 0
     named = set()
+    present = None
     for position, token in enumerate(inside):
         depth += (token.text in "([") - (token.text in ")]") if token.kind == "sign" else 0
-        count += depth == 0 and token.text == ","
+        if depth == 0 and token.text == ",":
+            count += 1
+            present = None
         if depth == 0 and token.text == "=" and position:
-            named.add(inside[position - 1].text)
-    return Called(name, frozenset(named), count)
+            present = inside[position - 1].text
+            named.add(present)
+    return Called(name, frozenset(named), count, present)
 
 
 def path_before(before: Sequence[Token]) -> list[str]:

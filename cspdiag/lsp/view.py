@@ -10,6 +10,7 @@ from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.draw.elements.facts import Facts
 from cspdiag.lsp.occurrences import Occurrences
+from cspdiag.lsp.proving import Proved
 from cspdiag.model.names.described import with_described_ports
 from cspdiag.model.names.imports import load
 from cspdiag.model.names.resolve import resolve
@@ -35,6 +36,8 @@ class View:
         self.texts: dict[str, str | None] = {}
         """The imported files with their texts, None for those that could not be read."""
         self._occurrences: dict[str, Occurrences] = {}
+        self.answers: dict[int, Proved] = {}
+        """What was proved of the assertions of the main file, by the offset at which they begin."""
 
     def _noted(self, name: str) -> SourceFile:
         self.texts[name] = None
@@ -49,8 +52,9 @@ class View:
 
     @property
     def diagnostics(self) -> list[Diagnostic]:
-        """Everything that is wrong with the program, by file and place."""
-        return self.checked.report.diagnostics
+        """Everything that is wrong with the program, by file and place, and the assertions that fail."""
+        refuted = [each.found for each in self.answers.values() if each.found is not None]
+        return [*self.checked.report.diagnostics, *refuted]
 
     @cached_property
     @raised_recursion_limit()

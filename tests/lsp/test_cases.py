@@ -8,10 +8,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from pytest_lsp import LanguageClient
 
 from tests.literate import MAIN, Case, cases_of
-from tests.lsp.editor import Editor
+from tests.lsp.editor import Client, Editor
 
 CASES = Path(__file__).parent / "cases"
 
@@ -22,7 +21,7 @@ def _all() -> list[Case]:
 
 @pytest.mark.parametrize("case", _all(), ids=lambda case: f"{case.path.stem}: {case.title}")
 @pytest.mark.asyncio(loop_scope="module")
-async def test_case(case: Case, client: LanguageClient, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+async def test_case(case: Case, client: Client, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     for name, text in case.files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     editor = Editor(client, tmp_path)

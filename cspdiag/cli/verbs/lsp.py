@@ -20,7 +20,7 @@ def run(arguments: Namespace) -> int:
     import gc
 
     try:
-        from cspdiag.lsp.server import serve
+        from cspdiag.lsp.requests import serve
     except ImportError as problem:
         if problem.name is None or problem.name.split(".")[0] not in {"pygls", "lsprotocol"}:
             raise

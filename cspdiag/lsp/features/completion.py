@@ -10,7 +10,6 @@ from cspdiag.base.files.resources import library_names
 from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile, Span
 from cspdiag.lsp import descriptions, text_at
-from cspdiag.lsp.positions import Positions
 from cspdiag.lsp.view import View
 from cspdiag.model.expressions.functions import FUNCTIONS
 from cspdiag.model.program import EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
@@ -61,7 +60,7 @@ class _Place:
         return self.before[-count].text if len(self.before) >= count else ""
 
 
-def completion(view: View, offset: int, positions: Positions, *, snippets: bool = False) -> list[types.CompletionItem]:
+def completion(view: View, offset: int) -> list[types.CompletionItem]:
     """What can be written at an offset."""
     source = view.tree.source
     word = text_at.word_at(source, offset)

@@ -32,7 +32,7 @@ def load(
         if statement is None:
             path.pop()
             continue
-        name = _file_name(importer, statement)
+        name = file_name(importer, statement)
         if name in [file for file, _ in path]:
             cycle = (*(file for file, _ in path[[file for file, _ in path].index(name) :]), name)
             report.add(ImportCycle(statement.span, cycle=cycle))
@@ -47,7 +47,8 @@ def _imports(tree: ast.SourceTree | None) -> Iterator[ast.Import]:
     return iter([item for item in tree.items if isinstance(item, ast.Import)] if tree else [])
 
 
-def _file_name(importer: str, statement: ast.Import) -> str:
+def file_name(importer: str, statement: ast.Import) -> str:
+    """The name of an imported file, from that of the file that imports it."""
     if statement.library is not None:
         return statement.library.replace(".", "/") + ".csp"
     return posixpath.normpath(posixpath.join(posixpath.dirname(importer), statement.path or ""))

@@ -1,0 +1,90 @@
+"""Code actions: the fixes of diagnostics, one by one or all that ``cspdiag check --fix`` would make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lsprotocol import types
+
+from cspdiag.base.diagnostic import Diagnostic, Edit
+from cspdiag.fix import fix
+from cspdiag.lsp.documents import Documents, identity, is_bundled
+from cspdiag.lsp.features.diagnostics import diagnostic
+from cspdiag.lsp.features.formatting import edits_between
+from cspdiag.lsp.view import View
+
+FIX_ALL = f"{types.CodeActionKind.SourceFixAll.value}.cspdiag"
+
+
+def actions(
+    view: View, start: int, end: int, only: Iterable[str], documents: Documents, uri: str
+) -> list[types.CodeAction]:
+    """What can be done about the diagnostics between two offsets; ``only`` are the kinds that are wanted, if not all.
+
+    What fixes everything is computed only when it is chosen: see ``resolved``.
+    """
+    wanted = tuple(only)
+    found = []
+    fixable = [each for each in view.diagnostics if each.edits and not _changes_bundled(each)]
+    if _is_wanted(types.CodeActionKind.QuickFix.value, wanted):
+        for each in fixable:
+            if each.span.file == view.main.name and each.span.start <= end and start <= each.span.end:
+                found.append(_quick_fix(each, documents))
+    if fixable and _is_wanted(FIX_ALL, wanted):
+        title = f"Fix {len(fixable)} of the diagnostics" if len(fixable) > 1 else "Fix what can be fixed"
+        found.append(types.CodeAction(title, FIX_ALL, data={"uri": uri}))
+    return found
+
+
+def _is_wanted(kind: str, wanted: tuple[str, ...]) -> bool:
+    return not wanted or any(kind == each or kind.startswith(f"{each}.") for each in wanted)
+
+
+def _changes_bundled(found: Diagnostic) -> bool:
+    return any(is_bundled(edit.span.file) for edit in found.edits)
+
+
+def _quick_fix(found: Diagnostic, documents: Documents) -> types.CodeAction:
+    positions = documents.positions
+    return types.CodeAction(
+        _title(found),
+        types.CodeActionKind.QuickFix,
+        diagnostics=[diagnostic(found, positions, documents.uri)],
+        is_preferred=True,
+        edit=workspace_edit(found.edits, documents),
+    )
+
+
+def _title(found: Diagnostic) -> str:
+    if len(found.edits) > 1:
+        return f"Fix: {found.message}"
+    (edit,) = found.edits
+    before, after = _shown(edit.span.text), _shown(edit.replacement)
+    if not before:
+        return f"Insert {after}"
+    return f"Replace {before} by {after}" if after else f"Remove {before}"
+
+
+def _shown(text: str) -> str:
+    words = " ".join(text.split())
+    return f"`{words if len(words) <= 40 else f'{words[:39]}…'}`" if words else ""
+
+
+def workspace_edit(edits: Iterable[Edit], documents: Documents) -> types.WorkspaceEdit:
+    """Edits of several files."""
+    changes: dict[str, list[types.TextEdit]] = {}
+    for edit in edits:
+        text_edit = types.TextEdit(documents.positions.range(edit.span), edit.replacement)
+        changes.setdefault(documents.uri(edit.span.file), []).append(text_edit)
+    return types.WorkspaceEdit(changes={uri: list(several) for uri, several in changes.items()})
+
+
+def resolved(action: types.CodeAction, view: View, documents: Documents) -> types.CodeAction:
+    """The action that fixes everything, with its edits."""
+    fixed = fix([view.main], documents.read, identity)
+    changes = {
+        documents.uri(file.before.name): edits_between(file.before, file.text, documents.positions)
+        for file in fixed.files
+    }
+    action.edit = types.WorkspaceEdit(changes={uri: list(edits) for uri, edits in changes.items()})
+    return action

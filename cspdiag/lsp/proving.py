@@ -1,0 +1,112 @@
+"""Proves the assertions of a program in a process of its own, so that the editor is answered meanwhile."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import pickle
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+
+from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.record import record
+from cspdiag.base.span import SourceFile
+
+TIME_LIMIT = 60.0
+"""Seconds for each assertion, as for ``cspdiag verify``."""
+MEMORY_LIMIT = 2_000_000_000
+"""Bytes for states, as for ``cspdiag verify``."""
+
+_PROGRAM = (
+    "import json, sys; request = json.load(sys.stdin); sys.path[:] = request['path']; "
+    "from cspdiag.lsp.proving import answer; answer(request)"
+)
+
+
+@record
+class Proved:
+    """The answer about one assertion, which begins at ``start``; ``found`` says how it fails, if it does."""
+
+    start: int
+    title: str
+    found: Diagnostic | None
+
+
+class ProvingError(Exception):
+    """Nothing can be proved; the text says why."""
+
+
+async def prove(main: SourceFile, texts: Mapping[str, str], start: int) -> list[Proved]:
+    """Answer the assertion that begins at an offset, given all texts of the program. Raises ProvingError."""
+    request = {"path": sys.path, "main": main.name, "texts": {**texts, main.name: main.text}, "start": start}
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-c", _PROGRAM, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+    )  # fmt: skip
+    try:
+        output, errors = await process.communicate(json.dumps(request).encode())
+    finally:
+        with suppress(ProcessLookupError):
+            process.kill()
+    if process.returncode:
+        lines = errors.decode(errors="replace").strip().splitlines()
+        raise ProvingError(lines[-1] if lines else f"the prover ended with exit code {process.returncode}")
+    # What the process of this program has written.
+    found: list[Proved] | str = pickle.loads(output)
+    if isinstance(found, str):
+        raise ProvingError(found)
+    return found
+
+
+def answer(request: Mapping[str, object]) -> None:
+    """Be the process: write the answers, or why there are none, to standard output."""
+    output = sys.stdout.buffer
+    # Whatever a prover prints does not belong to the answer.
+    sys.stdout = sys.stderr
+    output.write(pickle.dumps(_answers(request)))
+    output.flush()
+
+
+def _answers(request: Mapping[str, object]) -> list[Proved] | str:
+    from cspdiag.pipeline import proof_obligations
+    from cspdiag.proofs.answers.findings import diagnostic_of
+    from cspdiag.proofs.verdict import Limits
+    from cspdiag.verify.confirm import Verifier
+    from cspdiag.verify.systems import VerificationError
+
+    main, texts, start = request["main"], request["texts"], request["start"]
+    assert isinstance(main, str)
+    assert isinstance(texts, dict)
+
+    def read(name: str) -> SourceFile:
+        if name not in texts:
+            from cspdiag.base.sources import read_source
+
+            return read_source(name)
+        return SourceFile(name=name, text=texts[name])
+
+    obligations = proof_obligations(read(main), read)
+    if obligations.checked.report.has_errors:
+        return "the program has errors"
+    questions = [each for each in obligations.questions if each.span.start == start and each.asserted]
+    for question in questions:
+        for name in question.processes:
+            obligations.network(name)
+    if obligations.checked.report.has_errors:
+        return "the program has errors"
+    verifier = Verifier(obligations, read, None)
+    try:
+        answers = [verifier.answer(question, Limits(TIME_LIMIT, MEMORY_LIMIT)) for question in questions]
+    except VerificationError as problem:
+        return str(problem)
+    words = {"proved": "Proved", "refuted": "Refuted", "unknown": "Not proved"}
+    found = [(each, diagnostic_of(each)) for each in answers]
+    return [
+        Proved(
+            each.question.span.start,
+            f"{words[each.outcome]}: {each.reason if diagnostic is None else diagnostic.message}",
+            diagnostic,
+        )
+        for each, diagnostic in found
+    ]
