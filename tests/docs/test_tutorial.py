@@ -33,7 +33,9 @@ def run(folder: Path, name: str, until: str | None = None, set: dict[str, str] |
     return cspdiag.load(path).run(until=until, set=set or {})
 
 
-@pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
+@pytest.mark.parametrize(
+    "name", [block.name for block in blocks() if block.language == "csp" and block.name != "fmu/model.csp"]
+)
 def test_the_compiler_reports_what_the_text_shows(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -68,6 +70,22 @@ def test_two_modes_find_the_switch_and_follow(tmp_path: Path) -> None:
     assert result.outcome.time == 8_000_000_000
     assert result["position"][-1] == pytest.approx(0.3 - 0.25, abs=0.003)
     assert result["control"][-1] == 0
+
+
+def test_the_axis_behaves_the_same_with_a_plant_that_is_an_fmu(tmp_path: Path) -> None:
+    pytest.importorskip("fmpy")
+    builder = pytest.importorskip("pythonfmu.builder")
+    (shown,) = [block.text for block in blocks() if block.name == "examples/fmu/slide.py"]
+    script = TUTORIAL.parents[1] / "examples" / "fmu" / "slide.py"
+    assert shown == script.read_text(encoding="utf-8")
+    builder.FmuBuilder.build_FMU(str(script), dest=str(tmp_path))
+    expected = run(tmp_path, "modes/axis.csp")
+    (tmp_path / "model.csp").write_text(program("fmu/model.csp"), encoding="utf-8")
+    result = cspdiag.load(tmp_path / "model.csp").run("Modelled")
+    assert (result.outcome.ended, result.outcome.time) == ("terminated", 8_000_000_000)
+    assert result["position"] == pytest.approx(expected["position"], abs=0.002)
+    nearer = cspdiag.load(tmp_path / "model.csp").run("Modelled", set={"slide.start": "0.1"})
+    assert 0 < nearer["closed"].argmax() < result["closed"].argmax()
 
 
 def test_both_modes_report_a_slow_period(tmp_path: Path) -> None:

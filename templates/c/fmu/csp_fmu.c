@@ -320,7 +320,7 @@ static bool load(csp_fmu *self)
     const csp_fmu_facts *const facts = self->facts;
     library->handle = dlopen(facts->library, RTLD_NOW | RTLD_LOCAL);
     if (library->handle == NULL) {
-        return fail(self, "cannot be loaded (export it again, or compile its sources: fmpy compile): %s", dlerror());
+        return fail(self, "cannot be loaded: its binary is damaged, or needs a library that is not here (fmpy compile makes another): %s", dlerror());
     }
     library->getters = room(facts->output_count, sizeof *library->getters);
     library->setters = room(facts->input_count, sizeof *library->setters);
