@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -19,7 +20,8 @@ from tests.properties.programs import programs
 from tests.syntax import generate
 
 ROOT = Path(__file__).parents[2]
-QUERIES = sorted((FOLDER / "queries").glob("*.scm"))
+QUERIES = sorted((FOLDER / "queries").rglob("*.scm"))
+EMACS_MODE = ROOT / "editors" / "emacs" / "csp-ts-mode.el"
 GENERATED_BY = "0.26"
 """The version of tree-sitter-cli; another one may generate the same parser in another way."""
 _CORPUS = re.compile(r"^=+\n([^\n]+)\n=+\n(.*?)^---\n(.*?)(?=^===|\Z)", re.MULTILINE | re.DOTALL)
@@ -121,7 +123,7 @@ def test_a_text_of_anything_has_a_tree(parser: tree_sitter.Parser) -> None:
         assert parser.parse(text).root_node.end_byte <= len(text)
 
 
-@pytest.mark.parametrize("path", QUERIES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", QUERIES, ids=lambda path: "-".join(path.relative_to(FOLDER / "queries").parts))
 def test_every_pattern_of_a_query_matches_something(language: tree_sitter.Language, path: Path) -> None:
     query = tree_sitter.Query(language, path.read_text(encoding="utf-8"))
     missing = set(range(query.pattern_count))
@@ -177,10 +179,19 @@ def test_highlights(language: tree_sitter.Language) -> None:
 
 def test_every_word_of_the_language_is_highlighted(language: tree_sitter.Language) -> None:
     words = set(re.findall(r'"([a-z]+)"', (ROOT / "grammars" / "csp.lark").read_text(encoding="utf-8")))
-    query = (FOLDER / "queries" / "highlights.scm").read_text(encoding="utf-8")
     named = {"terminates", "schedulable", "skip", "stop", "true", "false"}
-    assert {word for word in words - named if f'"{word}"' not in query} == set()
-    assert {word for word in named if f"({word})" not in query} == set()
+    for path in (FOLDER / "queries" / "highlights.scm", EMACS_MODE):
+        query = path.read_text(encoding="utf-8")
+        assert {word for word in words - named if f'"{word}"' not in query} == set()
+        assert {word for word in named if f"({word})" not in query} == set()
+
+
+def test_mode_of_emacs_names_nodes_of_the_grammar(language: tree_sitter.Language) -> None:
+    settings = EMACS_MODE.read_text(encoding="utf-8").partition("treesit-font-lock-rules")[2].partition("(defvar")[0]
+    patterns = re.findall(r"^ *[`']?\(*(\([a-z_]+ (?:[a-z]+: )?\(.*?\)) @", settings, re.MULTILINE)
+    assert len(patterns) > 20
+    for pattern in patterns:
+        tree_sitter.Query(language, pattern + ")" * (pattern.count("(") - pattern.count(")")))
 
 
 def test_folds(language: tree_sitter.Language) -> None:
@@ -212,3 +223,17 @@ def test_parser_is_that_of_the_grammar(tmp_path: Path) -> None:
         assert (tmp_path / "src" / name).read_text(encoding="utf-8") == (FOLDER / "src" / name).read_text(
             encoding="utf-8"
         ), f"make grammar generates another {name}"
+
+
+def test_commands_of_the_page_install_the_grammar(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "editors.md").read_text(encoding="utf-8").partition("## Highlighting")[2]
+    commands = "\n".join(re.findall(r"^```sh\n(.*?)^```$", page, re.MULTILINE | re.DOTALL))
+    # Optimization takes the time of all other tests here.
+    script = "set -e\n" + commands.replace("-O2", "-O0")
+    subprocess.run(["sh", "-c", script], cwd=ROOT, env={**os.environ, "HOME": str(tmp_path)}, check=True)
+    installed = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
+    helix = ".config/helix/runtime"
+    assert {f".config/nvim/queries/csp/{name}.scm" for name in ("highlights", "folds", "indents")} <= installed
+    assert {f"{helix}/grammars/csp.so", f"{helix}/queries/csp/indents.scm", ".config/nvim/parser/csp.so"} <= installed
+    assert "@outdent" in (tmp_path / helix / "queries" / "csp" / "indents.scm").read_text(encoding="utf-8")
+    assert {".emacs.d/tree-sitter/libtree-sitter-csp.so", ".emacs.d/csp-ts-mode.el"} <= installed

@@ -1,4 +1,4 @@
-; Neovim
+; For Neovim with the plug-in nvim-treesitter; helix/indents.scm is for Helix.
 
 [
   (enum)
@@ -13,26 +13,15 @@
   (composition_block)
   (repeated_declarations)
   (group)
+  (constant)
+  (tunable)
+  (assertion)
+  (let)
+  (state)
+  (next)
+  (derivative)
+  (equation)
 ] @indent.begin
 
 ["}" ")"] @indent.branch @indent.end
 [(comment) (doc_comment)] @indent.auto
-
-; Helix
-
-[
-  (enum)
-  (struct)
-  (process)
-  (submodel)
-  (driver)
-  (environment)
-  (parameters)
-  (arguments)
-  (communication_block)
-  (composition_block)
-  (repeated_declarations)
-  (group)
-] @indent
-
-["}" ")"] @outdent
