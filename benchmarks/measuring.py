@@ -82,8 +82,26 @@ BENCHMARKS = (
         _RECORD,
     ),
     Benchmark(
+        "recording-mcap", "JIWY recorded while it runs, as MCAP, against JIWY not recorded", "times", _RECORD,
+        "Python 1.1 times, C 1.3",
+    ),
+    Benchmark(
+        "fmu-step", "a millisecond of JIWY, or a step of a Reference FMU", "us",
+        {
+            "native": "fmus native", "C, plant FMU": "fmus c", "-O1, plant FMU": "fmus python", "fmpy": "fmus fmpy",
+        },
+        "C, plant FMU: native 2 times",
+    ),
+    Benchmark("device-udp", "a round trip through a program in Python by UDP", "us", {"-O1": "devices"}),
+    Benchmark("device-serial", "the same by a pseudo-terminal", "us", {"-O1": "devices"}),
+    Benchmark("device-can", "the same by a CAN bus that is made of multicast", "us", {"-O1": "devices"}),
+    Benchmark(
         "real-time-late", "two processes for each processor besides: 99 % of the ticks at 1 kHz are met within", "us",
         _AGAINST_THE_CLOCK | {"cyclictest": "real_time cyclictest"}, "Python 1000 us",
+    ),
+    Benchmark(
+        "real-time-late-unloaded", "the same without the other processes", "us",
+        _AGAINST_THE_CLOCK | {"cyclictest": "real_time cyclictest"},
     ),
     Benchmark("real-time-missed", "the same: samples missed of 20 000", "", _AGAINST_THE_CLOCK, "a third of 653"),
     Benchmark("check-cold", "a cold `cspdiag check` of JIWY", "ms", {"cspdiag": "cold_start"}, "at most 100 ms"),

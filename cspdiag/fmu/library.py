@@ -108,13 +108,27 @@ class Library:
         self._give(f"at {time:.9g} s", given)
 
     def _give(self, doing: str, given: Sequence[tuple[FmuVariable, Value]]) -> None:
+        groups: dict[str, tuple[list[int], list[Value]]] = {}
         for variable, value in given:
-            self._call(doing, getattr(self._fmu, f"set{self._kind(variable)}"), [variable.reference], [value])
+            references, values = groups.setdefault(self._kind(variable), ([], []))
+            references.append(variable.reference)
+            values.append(value)
+        for kind, (references, values) in groups.items():
+            self._call(doing, getattr(self._fmu, f"set{kind}"), references, values)
 
     def take(self, time: float, variables: Sequence[FmuVariable]) -> list[Value]:
         """Gets variables."""
         doing = f"at {time:.9g} s"
-        return [self._call(doing, getattr(self._fmu, f"get{self._kind(v)}"), [v.reference])[0] for v in variables]
+        positions: dict[str, list[int]] = {}
+        for position, variable in enumerate(variables):
+            positions.setdefault(self._kind(variable), []).append(position)
+        taken: list[Value] = [0.0] * len(variables)
+        for kind, places in positions.items():
+            references = [variables[place].reference for place in places]
+            values = self._call(doing, getattr(self._fmu, f"get{kind}"), references)
+            for place, value in zip(places, values, strict=True):
+                taken[place] = value
+        return taken
 
     def _kind(self, variable: FmuVariable) -> str:
         if variable.type == "Enumeration":
