@@ -8,9 +8,11 @@ from cspdiag.base import Report
 from cspdiag.model.program import Program, Value
 from cspdiag.network.analyse import Analysis
 from cspdiag.network.checks.fixed_values import check_fixed_values
+from cspdiag.network.checks.places import check_places
 from cspdiag.network.checks.release import check_release
 from cspdiag.network.elaborate.definitions import arguments_of
 from cspdiag.network.elaborate.definitions_to_shapes import parameter_value
+from cspdiag.network.elaborate.environment_wiring import wiring
 from cspdiag.network.infer.contexts import Surroundings
 from cspdiag.network.lower import environments, external_bodies
 from cspdiag.network.occurrences import tunable_parameters, values_by_name
@@ -30,7 +32,20 @@ def check(program: Program, report: Report) -> Analysis:
     external_bodies.check(program, report)
     for environment in environments_of(program):
         environments.check(program, environment, report)
+        if environment.places and not report.has_errors:
+            _check_places(program, analysis, environment, report)
     return analysis
+
+
+def _check_places(program: Program, analysis: Analysis, environment: ast.EnvironmentDefinition, report: Report) -> None:
+    process = process_of(program, environment)
+    assert process is not None
+    values = arguments_of_outermost(analysis, process, environment.arguments, {})
+    root = analysis.known_root(process, values_by_name(values))
+    if root is not None:
+        shape, placed = root
+        drawn = wiring(program, environment, values, Report())
+        check_places(environment, placed, analysis.requested[shape], drawn, report)
 
 
 def analysed(program: Program, report: Report) -> Analysis:

@@ -80,11 +80,22 @@ class Network:
             with self._new_scheduler(policy) as scheduler:
                 self._scheduler = scheduler
                 clock = RealClock() if real_time else VirtualClock()
-                run = _Run(self, scheduler, environment, clock, until, on_miss, observer)
+                run = self._new_run(scheduler, environment, clock, until, on_miss, observer)
                 with stopping if run.driven else nullcontext():
                     return run.outcome()
         finally:
             self._runs = False
+
+    def _new_run(
+        self,
+        scheduler: Scheduler,
+        environment: Environment | None,
+        clock: Clock,
+        until: int | None,
+        on_miss: Literal["timeout", "count"],
+        observer: Observer | None,
+    ) -> NetworkRun:
+        return NetworkRun(self, scheduler, environment, clock, until, on_miss, observer)
 
     def _new_scheduler(self, policy: Policy | None) -> Scheduler:
         if isinstance(self.process, Routine) and not self.process.tracked:
@@ -92,7 +103,9 @@ class Network:
         return Scheduler(policy)
 
 
-class _Run:
+class NetworkRun:
+    """One run of a network."""
+
     def __init__(
         self,
         network: Network,
@@ -109,12 +122,13 @@ class _Run:
         self._clock = clock
         self._until = until
         self._observer = observer
-        self._devices = Devices(network.ports, clock)
+        self._ports = self._own_ports()
+        self._devices = Devices(self._ports, clock)
         self.driven = self._devices.driven
         """Whether it has drivers of devices, not only those of a simulated environment."""
-        self._instants = Instants(network.ports, environment)
+        self._instants = Instants(network.ports, environment, self._ports)
         self._jitter = {period: Jitter() for period in self._instants.periods} if clock.real else {}
-        for port in network.ports:
+        for port in self._ports:
             if isinstance(port, SampledInput):
                 port.begin(on_miss)
         self._preferred = ExitStack()
@@ -124,11 +138,16 @@ class _Run:
         self._root_error: BaseException | None = None
         self._root = task_for(network.process, self, None)
 
+    def _own_ports(self) -> tuple[Port, ...]:
+        """The ports whose drivers this run has."""
+        return self._network.ports
+
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """The outermost process has ended."""
         self._root_error = error
 
     def outcome(self) -> Outcome:
+        """Runs to the end, and releases the outputs."""
         began = time.perf_counter()
         with stopping.running(self._leave), self._preferred:
             return self._released_outcome(began)
@@ -149,7 +168,7 @@ class _Run:
         failure = text_of(outcome.error) if outcome.ended == "failed" and outcome.error is not None else None
         outcome.release_errors = [error for error in errors if text_of(error) != failure]
         outcome.wall_time = time.perf_counter() - began
-        outcome.missed = {port.name: port.missed for port in self._network.ports if isinstance(port, SampledInput)}
+        outcome.missed = {port.name: port.missed for port in self._ports if isinstance(port, SampledInput)}
         outcome.jitter = self._jitter
         outcome.real_time = self._clock.real
         outcome.preference = self._preference
@@ -244,6 +263,7 @@ class _Run:
             watch.iterations += 1
             ready = run_first()
             stopping.check()
+            self._stepped()
             if self._root.ended:
                 return self._ended_by_itself()
             if not ready and not self._can_continue():
@@ -257,8 +277,15 @@ class _Run:
                     return self._limit_reached(limited)
                 self._meet(instant, present)
                 instant = self._next_instant()
-            if self._devices.has_news:
+            if self._has_news():
                 self._take_over(instant)
+
+    def _stepped(self) -> None:
+        """A process has made a step."""
+
+    def _has_news(self) -> bool:
+        """Whether something arrived from outside."""
+        return self._devices.has_news
 
     def _can_continue(self) -> bool:
         """Whether anything at a later instant can make a process ready or hand over a value."""
@@ -298,7 +325,7 @@ class _Run:
         self._devices.open()
         self._change_parameters(0)
         self._instants.start()
-        for port in self._network.ports:
+        for port in self._ports:
             if isinstance(port, EventInput) and port.polled:
                 port.start()
         self._clock.start()

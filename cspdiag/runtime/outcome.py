@@ -35,6 +35,8 @@ class Outcome:
     """Whether it ran against the clock."""
     preference: str = ""
     """What the operating system granted to a run against the clock: the scheduling class, and locked memory."""
+    links: list[str] = field(default_factory=list)
+    """What was measured of the links to other hosts, a line for each."""
     release_errors: list[BaseException] = field(default_factory=list)
     """The errors of drivers that failed during the release of their outputs or while they were closed."""
 

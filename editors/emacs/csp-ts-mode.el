@@ -65,7 +65,7 @@
    '(["after" "alt" "and" "any" "assert" "at" "broadcast" "buffer" "catch" "channel" "communication" "composition"
       "const" "deadlock" "der" "do" "driver" "else" "enum" "environment" "exception" "failures" "for" "free" "hide"
       "if" "immediate" "import" "in" "interrupt" "let" "livelock" "method" "miss" "mu" "next" "not" "offset" "on" "or"
-      "out" "overwrite" "par" "parameter" "prialt" "pripar" "process" "raise" "refines" "reset" "safe" "seq" "state"
+      "out" "overwrite" "par" "parameter" "prialt" "place" "pripar" "process" "raise" "refines" "reset" "safe" "seq" "state"
       "step" "struct" "submodel" "sync" "then" "type" "until" "var" "wait" "wcet" "when" "while"]
      @font-lock-keyword-face
      [(terminates) (schedulable) (skip) (skip_guard) (stop)] @font-lock-keyword-face)

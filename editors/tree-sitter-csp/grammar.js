@@ -119,7 +119,7 @@ module.exports = grammar({
         "for",
         field("process", $.identifier),
         field("arguments", optional($.arguments)),
-        repeat(choice($.step, $.on_miss)),
+        repeat(choice($.step, $.on_miss, $.place)),
         "{",
         repeat($._declaration),
         "}",
@@ -162,6 +162,7 @@ module.exports = grammar({
     step: ($) => seq("step", $._expression),
     method: ($) => seq("method", "=", $.identifier),
     on_miss: ($) => seq("on", "miss", $.identifier),
+    place: ($) => seq("place", field("name", $.identifier), ":", separated(",", $.identifier)),
 
     type_name: ($) => seq(field("name", $.identifier), field("unit", optional($.unit)), repeat($.dimension)),
     dimension: ($) => seq("[", $._expression, "]"),

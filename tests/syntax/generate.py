@@ -252,6 +252,7 @@ class Generator:
             case 9:
                 head = ["environment", self.name(), "for", self.name(), *self.maybe("(", self.arguments(), ")")]
                 clauses = self.maybe("on", "miss", "count") + self.maybe("step", "1 ms")
+                clauses += self.maybe("place", self.name(), ":", self.name(), *self.maybe(",", self.name()))
                 return [*head, *clauses, "{", *self.declarations(), "}"]
             case _:
                 head = ["process", self.name(), *self.parameters(), *body, *self.maybe("wcet", "1 ms")]

@@ -141,6 +141,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--replay", type=file_path, metavar="FILE", help="step through the counterexample that verify --trace-out wrote"
     )
+    parser.add_argument(
+        "--place", metavar="NAME@HOST:PORT",
+        help="run this place of the environment, together with the other places; the first one listens at the address",
+    )  # fmt: skip
     parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
 
 
@@ -176,6 +180,10 @@ def run(arguments: Namespace) -> int:
         _refuse_unsupported_by_reference(arguments)
     if arguments.on is not None:
         _refuse_unsupported_on_board(arguments)
+    if arguments.place is not None:
+        from cspdiag.cli.support.runs.placed import refuse_unsupported
+
+        refuse_unsupported(arguments)
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.settings import SettingError, parse_time_limit
 
@@ -375,11 +383,16 @@ def _simulate_in_python(
         files = pipeline.generate(
             network,
             read_source,
-            level=arguments.level,
+            level=arguments.level if arguments.place is None else 0,
             traced=arguments.trace is not None,
             observed=True,
             probed=arguments.plot is not None,
         )
+
+    if arguments.place is not None:
+        from cspdiag.cli.support.runs.placed import simulate_in_place
+
+        return simulate_in_place(arguments, network, files, until, recorder, given.changes, given.recording, on_start)
 
     def started(running: Network) -> None:
         given.attach(running)

@@ -70,6 +70,11 @@ def definition_parts(definition: ast.Definition) -> Parts:
                 "arguments": ", ".join(texts.arguments(definition.arguments)),
                 "step": texts.optional(definition.step),
                 "on miss": definition.on_miss.text if definition.on_miss else None,
+                "places": ", ".join(
+                    f"{place.name.text}: {' '.join(item.text for item in place.instances)}"
+                    for place in definition.places
+                )
+                or None,
             }
             _add(parts, "", "", definition, clauses)
         case ast.ProcessDefinition():

@@ -194,6 +194,8 @@ def _external(port: ExternalPort) -> str:
 def _environment(environment: Environment) -> Iterator[str]:
     yield from doc_lines(environment.doc)
     yield f"environment {environment.name} step {duration(environment.step)} on miss {environment.on_miss} {{"
+    for name, instances in environment.places:
+        yield f"  place {name} : {', '.join(instances)}"
     for driver in environment.drivers:
         arguments = ", ".join(f"{name} = {value!r}" for name, value in driver.arguments)
         called = f"{driver.definition}({arguments})" if arguments else driver.definition

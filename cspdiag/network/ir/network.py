@@ -292,6 +292,10 @@ class Environment(Declared):
     drivers: tuple[DriverInstance, ...]
     step: int
     on_miss: Literal["timeout", "count"] = "timeout"
+    places: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    """Hosts that run a part of the program each: the name, and the instances of the outermost process that run there,
+    arrays of instances by their name alone.
+    """
 
 
 @record(kw_only=True)

@@ -91,6 +91,9 @@ def lower_environment(
         drivers=drivers,
         step=step,
         on_miss=_miss_policy(definition, report),
+        places=tuple(
+            (place.name.text, tuple(instance.text for instance in place.instances)) for place in definition.places
+        ),
     )
 
 

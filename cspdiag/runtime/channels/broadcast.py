@@ -19,43 +19,46 @@ if TYPE_CHECKING:
 
 
 class Broadcast(In[T], Out[T]):
-    """One writer, and a reader for each end made by ``reader``; the writer continues when all have taken the value."""
+    """One writer, and a reader for each end made by ``reader``; the writer continues when all have taken the value.
 
-    __slots__ = ("_ends", "_outputs", "_value", "_writer", "name")
+    ``ends`` are the reading ends; while a ``writer`` waits, ``value`` is what it writes.
+    """
+
+    __slots__ = ("_outputs", "ends", "name", "value", "writer")
 
     def __init__(self, name: str = "broadcast") -> None:
         self.name = name
-        self._ends: list[BroadcastEnd[T]] = []
-        self._writer: Party | None = None
-        self._value: Any = None
+        self.ends: list[BroadcastEnd[T]] = []
+        self.writer: Party | None = None
+        self.value: Any = None
         self._outputs: Watchers = ()
 
     def reader(self, owner: Owner | None = None) -> BroadcastEnd[T]:
         """A new reading end."""
         end = BroadcastEnd(self, "" if owner is None else owner.name)
-        self._ends.append(end)
+        self.ends.append(end)
         self.readers_changed()
         return end if owner is None else owner.owns(end)
 
     def offer(self, party: Party, value: T, /) -> bool:
         """See ``Out.offer``."""
-        if self._writer is not None:
+        if self.writer is not None:
             raise ChannelMisuse(f"{self.name} is written by two processes at the same time")
         policy = present().policy
         if policy is not None:
             policy.took_part(party, "write", self.name)
-        self._writer = party
-        self._value = value
-        for end in self._ends:
+        self.writer = party
+        self.value = value
+        for end in self.ends:
             end.receive(value)
-        if any(end.fresh for end in self._ends):
+        if any(end.fresh for end in self.ends):
             return False
-        self._writer = None
+        self.writer = None
         return True
 
     def choose_output(self, party: Party, value: T, /) -> bool:
         """See ``Out.choose_output``."""
-        for end in self._ends:
+        for end in self.ends:
             if end.waiting_choice is not None:
                 choice, index = end.waiting_choice
                 if choice.only_promises(index):
@@ -70,10 +73,10 @@ class Broadcast(In[T], Out[T]):
 
     def withdraw(self, party: Party) -> bool:
         """See ``Out.withdraw``: a reader that has not taken the value yet does not get it."""
-        if self._writer is not party:
+        if self.writer is not party:
             return False
-        self._writer = None
-        for end in self._ends:
+        self.writer = None
+        for end in self.ends:
             end.recall()
         return True
 
@@ -86,22 +89,22 @@ class Broadcast(In[T], Out[T]):
         """The ends that its writer waits for: those that have not taken the value, or, before an output guard is
         chosen, those at which no reader waits.
         """
-        if self._writer is None:
-            return [end for end in self._ends if not end.awaited]
-        return [end for end in self._ends if end.fresh]
+        if self.writer is None:
+            return [end for end in self.ends if not end.awaited]
+        return [end for end in self.ends if end.fresh]
 
     def taken(self, end: BroadcastEnd[T], reader: Party) -> T:
         """Takes the value of an end, which is then no longer fresh; the last one readies the writer."""
-        writer = self._writer
+        writer = self.writer
         assert writer is not None
         scheduler = present()
-        if not any(other.fresh for other in self._ends if other is not end):
+        if not any(other.fresh for other in self.ends if other is not end):
             scheduler.ready(writer.entry)
-            self._writer = None
+            self.writer = None
         end.recall()
         if scheduler.observe is not None:
-            scheduler.observe(self.name, self._value, writer, reader)
-        return self._value  # type: ignore[no-any-return]
+            scheduler.observe(self.name, self.value, writer, reader)
+        return self.value  # type: ignore[no-any-return]
 
     @property
     def has_output_guards(self) -> bool:
@@ -111,7 +114,7 @@ class Broadcast(In[T], Out[T]):
     def readers_changed(self) -> None:
         """An output guard is ready while all readers wait."""
         if self._outputs:
-            if all(end.awaited for end in self._ends):
+            if all(end.awaited for end in self.ends):
                 raise_bits(self._outputs)
             else:
                 lower_bits(self._outputs)
@@ -119,7 +122,7 @@ class Broadcast(In[T], Out[T]):
     def watch_output(self, selector: Selector, bit: int) -> None:
         """See ``Out.watch_output``."""
         self._outputs = (*self._outputs, (selector, bit))
-        for end in self._ends:
+        for end in self.ends:
             end.attend()
         self.readers_changed()
 
@@ -208,6 +211,12 @@ class BroadcastEnd(In[T]):
             selector.ready |= bit
         if self.channel.has_output_guards:
             selector.attend |= bit
+
+    @property
+    def offered(self) -> tuple[Any, Party] | None:
+        """The value that has not been taken here yet, and its writer."""
+        writer = self.channel.writer
+        return (self.channel.value, writer) if self.fresh and writer is not None else None
 
     def attend(self) -> None:
         """From now on, output guards are notified when alternatives wait here."""

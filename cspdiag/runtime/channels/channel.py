@@ -150,6 +150,11 @@ class Channel(In[T], Out[T]):
         """See ``In.waits_for``."""
         return (("to read" if self._reader is party else "to write", self),)
 
+    @property
+    def offered(self) -> tuple[Any, Party] | None:
+        """The value of the writer that waits, and the writer, if it is none with an output guard."""
+        return None if self._writer is None else (self._offered, self._writer)
+
     def watch_input(self, selector: Selector, bit: int) -> None:
         """See ``In.watch_input``."""
         meeting = self._meeting = self._meeting or Meeting()

@@ -40,6 +40,10 @@ class Timeout(ProcessError):  # noqa: N818 - the name that the language gives it
     """A sample was overwritten before it had been taken: a missed deadline."""
 
 
+class LinkTimeout(Timeout):
+    """Another host, for which the process waits, is silent."""
+
+
 class Fault(ProcessError):  # noqa: N818 - the name that the language gives it
     """A value that does not exist: overflow, division by zero, a NaN written to an actuator."""
 
@@ -125,6 +129,10 @@ class ChannelMisuse(Exception):  # noqa: N818 - it says what was done
     """Two processes read, or two write, at the same time on a channel that allows one."""
 
 
+class PartnerLost(Exception):  # noqa: N818 - it says what has happened
+    """Another host has ended its part of the program, or is silent; the run ends with its outputs released."""
+
+
 class Deadlock(Exception):  # noqa: N818 - the field's term
     """No process can ever continue; raised by ``Outcome.raise_if_unsuccessful``."""
 
@@ -146,7 +154,7 @@ target.
 def described(error: BaseException) -> str:
     """The exception in the words of the program: its name, its text, and where it was raised."""
     text = text_of(error)
-    if isinstance(error, DriverError | EnvironmentFailure | HandlerError | HangError):
+    if isinstance(error, DriverError | EnvironmentFailure | HandlerError | HangError | PartnerLost):
         return text
     place = getattr(error, "place", None)
     noted = [note for note in getattr(error, "__notes__", []) if not note.startswith(ANOTHER_BRANCH)]

@@ -83,10 +83,14 @@ class _Phase:
 
 
 class Instants:
-    """Ticks of all periods and the grid of the environment."""
+    """Ticks of all periods and the grid of the environment; at the ticks of its ``own`` ports, by default all, values
+    are taken and handed over.
+    """
 
-    def __init__(self, ports: Sequence[Port], environment: Environment | None) -> None:
-        self._ports = tuple(ports)
+    def __init__(
+        self, ports: Sequence[Port], environment: Environment | None, own: Sequence[Port] | None = None
+    ) -> None:
+        self._ports = tuple(ports if own is None else own)
         self._environment = environment
         self._advance: Callable[[int], object] = _nothing if environment is None else environment.advance
         self._sampled = sorted(

@@ -32,6 +32,8 @@ def _lines(run: RunData) -> Iterator[str]:
         yield f"  {outcome.preference}"
     for period, jitter in outcome.jitter.items():
         yield f"  jitter of the {shown(period)} period: {jitter}"
+    for link in outcome.links:
+        yield f"  {link}"
     from cspdiag.runtime.kernel.exceptions import described
 
     for error in outcome.release_errors:

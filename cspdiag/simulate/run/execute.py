@@ -84,6 +84,7 @@ def simulate(
     inputs: RecordedInputs | None = None,
     changes: Iterable[Change] = (),
     on_environment: Callable[[object], None] | None = None,
+    part: Callable[[RunningNetwork, LoadedPackage], RunningNetwork] | None = None,
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
@@ -91,8 +92,9 @@ def simulate(
     on; the caller finishes it. ``inputs``: what the environment gives instead of what it computes. ``probe_variables``
     also records the values of variables that have a unit, ``measured`` how long laws compute. ``changes`` are those of
     parameters of the program. ``on_start`` is passed the running network, whose ``now`` is the present instant, and
-    ``on_environment`` its environment, before the run. Signals and what the program raises end the run with an outcome,
-    not with an exception. Raises NoEnvironmentError and BodyError, and Stopped if a signal arrives before the run.
+    ``on_environment`` its environment, before the run. ``part`` makes the network of one place out of the whole.
+    Signals and what the program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError
+    and BodyError, and Stopped if a signal arrives before the run.
     """
     chosen = chosen_environment(network, environment)
     if chosen is not None:
@@ -116,6 +118,8 @@ def simulate(
             replace_environment(plant, inputs)
         if on_environment is not None and plant is not None:
             on_environment(plant)
+        if part is not None:
+            running = part(running, package)
         if probe_variables:
             probe(running, network, recorder)
         if measured:

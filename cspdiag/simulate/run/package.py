@@ -80,6 +80,10 @@ class LoadedPackage:
         """A module of the package, such as ``network`` or ``environments.bench``."""
         return importlib.import_module(f"{self.name}.{name}")
 
+    def has(self, name: str) -> bool:
+        """Whether the package has a module of this name."""
+        return self._finder.find_spec(f"{self.name}.{name}", None) is not None
+
     def close(self) -> None:
         """Remove the package from the interpreter."""
         sys.meta_path.remove(self._finder)

@@ -171,8 +171,18 @@ class DriverDefinition(Node):
 
 
 @node
+class Place(Node):
+    """``place pan : horizontal``: the instances of the outermost process that run on one host."""
+
+    name: Identifier
+    instances: tuple[Identifier, ...]
+
+
+@node
 class EnvironmentDefinition(Node):
-    """``environment Bench for Jiwy(arguments) step 1 ms on miss count { ... }``."""
+    """``environment Bench for Jiwy(arguments) step 1 ms on miss count { ... }``; each of its ``places`` is a clause
+    ``place pan : horizontal``.
+    """
 
     doc: str | None
     name: Identifier
@@ -180,6 +190,7 @@ class EnvironmentDefinition(Node):
     arguments: tuple[Argument, ...]
     step: Expression | None
     on_miss: Identifier | None
+    places: tuple[Place, ...]
     declarations: tuple[Declaration, ...]
 
 

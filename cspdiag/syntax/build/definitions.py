@@ -86,6 +86,10 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         """``on miss count``."""
         return Option(span, "on_miss", reaction)
 
+    def place(self, span: Span, name: ast.Identifier, *instances: ast.Identifier) -> ast.Place:
+        """``place pan : horizontal``."""
+        return ast.Place(span=span, name=name, instances=instances)
+
     options = as_tuple  # The clauses of a head
     environment_options = as_tuple  # The clauses of the head of an environment
 
@@ -170,17 +174,19 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         name: ast.Identifier,
         process: ast.Identifier,
         arguments: tuple[ast.Argument, ...] | None,
-        options: tuple[Option, ...],
+        options: tuple[Option | ast.Place, ...],
         declarations: tuple[ast.Declaration, ...],
     ) -> ast.EnvironmentDefinition:
         """An environment."""
+        clauses = tuple(option for option in options if isinstance(option, Option))
         return ast.EnvironmentDefinition(
             span=span,
             doc=self.doc(span.start),
             name=name,
             process=process,
             arguments=arguments or (),
-            **self._clauses("environment", options, "step", "on_miss"),
+            **self._clauses("environment", clauses, "step", "on_miss"),
+            places=tuple(option for option in options if isinstance(option, ast.Place)),
             declarations=declarations,
         )
 

@@ -146,6 +146,9 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
         while self.writer.next != "{":
             clause = clauses.get(self.writer.next)
             # Otherwise `method = tustin`, `on miss count` or `python "file.py:Class"`.
+            if self.writer.next == "place":
+                self._place()
+                continue
             words = 3 if self.writer.next in {"method", "on"} else 2
             self.token(" ")
             if clause is not None:
@@ -154,6 +157,14 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
             self.token(" ")
             if words == 3:
                 self.token(" ")
+
+    def _place(self) -> None:
+        """``place pan : horizontal, camera``."""
+        for _ in range(4):
+            self.token(" ")
+        while self.writer.next == ",":
+            self.token()
+            self.token(" ")
 
     def _process(self, node: ast.ProcessDefinition) -> None:
         self._head(node.parameters)

@@ -13,7 +13,7 @@ from cspdiag.syntax.parse.tables import END, Tables
 
 CONTEXTUAL_KEYWORDS = frozenset(
     [
-        *("parameter", "step", "method", "wcet", "on", "miss", "stop", "at", "offset"),
+        *("parameter", "step", "method", "wcet", "on", "miss", "place", "stop", "at", "offset"),
         *("free", "deadlock", "livelock", "terminates", "schedulable", "refines", "failures", "hide"),
     ]
 )

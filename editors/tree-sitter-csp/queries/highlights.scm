@@ -3,7 +3,7 @@
 [
   "const" "parameter" "type" "enum" "struct" "exception" "process" "submodel" "driver" "environment" "assert"
   "deadlock" "livelock" "free" "refines" "failures" "hide"
-  "wcet" "step" "method" "on" "miss" "offset" "immediate" "safe" "in" "out"
+  "wcet" "step" "method" "on" "miss" "place" "offset" "immediate" "safe" "in" "out"
   "communication" "composition" "var" "channel" "sync" "broadcast" "any" "buffer" "overwrite"
   "let" "state" "next" "der"
   "wait" "reset" "interrupt" "after" "at" "when" "par" "pripar" "alt" "prialt"

@@ -1,0 +1,102 @@
+"""``run --place``: this process runs one place of a program."""
+
+from __future__ import annotations
+
+import re
+from argparse import Namespace
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.support.failure import NoResultError, UsageError
+from cspdiag.cli.support.terminal import say
+
+if TYPE_CHECKING:
+    from cspdiag.cli.support.runs.standstill import ObservedProgram
+    from cspdiag.network.ir.network import CoreNetwork
+    from cspdiag.runtime.kernel.parameters import Change
+    from cspdiag.simulate.hosts.part import Seat
+    from cspdiag.simulate.record.recorder import Recorder
+    from cspdiag.simulate.record.streamed.recording import Recording
+    from cspdiag.simulate.result import Run
+
+_SEAT = re.compile(r"(?P<place>[^@]+)@(?P<host>\[[0-9a-fA-F:]+\]|[^@:]+):(?P<port>[0-9]+)")
+
+
+def seat_of(text: str) -> Seat:
+    """What ``--place`` names. Raises UsageError."""
+    from cspdiag.simulate.hosts.part import Seat
+
+    found = _SEAT.fullmatch(text)
+    if found is None or not 0 < int(found["port"]) < 65536:
+        raise UsageError(f"--place {text}: write NAME@HOST:PORT, such as pan@192.168.1.7:7447")
+    return Seat(found["place"], f"{found['host']}:{found['port']}")
+
+
+def refuse_unsupported(arguments: Namespace) -> None:
+    """Raises UsageError for options that a place does not have."""
+    seat_of(arguments.place)
+    refused = {
+        "--target": (arguments.target != "python", "places run in Python"),
+        "-O reference": (arguments.level == "reference", "places run readable code"),
+        "--inputs": (arguments.inputs is not None, "a recording has the inputs of all places"),
+        "--tune without a file": (arguments.tune == "-", "what is typed would reach this place only"),
+    }
+    for option, (given, why) in refused.items():
+        if given:
+            raise UsageError(f"{option} is not for --place: {why}")
+
+
+def simulate_in_place(
+    arguments: Namespace,
+    network: CoreNetwork,
+    files: Mapping[str, str],
+    until: int | None,
+    recorder: Recorder,
+    changes: Sequence[Change],
+    recording: Recording | None,
+    on_start: Callable[[ObservedProgram], None],
+) -> Run:
+    """Run a place, in the same way as a whole program."""
+    from cspdiag.cli.support.runs.standstill import ProgramInThread
+    from cspdiag.simulate.hosts.links import PlaceError
+    from cspdiag.simulate.hosts.network import ZenohTransport
+    from cspdiag.simulate.hosts.part import GATHERING, Part, fingerprint
+    from cspdiag.simulate.run.execute import chosen_environment, simulate
+
+    environment = chosen_environment(network, arguments.environment)
+    if environment is None:
+        raise UsageError("--place: the program has no environment, so it has no places")
+    seat = seat_of(arguments.place)
+    program = {
+        "program": fingerprint(files),
+        "environment": environment.name,
+        "clock": "real time" if arguments.real_time else "virtual time",
+        "time limit": str(arguments.until),
+        "list of changes": repr([(change.time, change.parameter, change.path, change.value) for change in changes]),
+    }
+
+    def transport(listens: bool) -> ZenohTransport:
+        room = f"cspdiag/{network.top}/{environment.name}"
+        return ZenohTransport(seat.address, room, listens=listens, patience=GATHERING)
+
+    try:
+        part = Part(network, environment, seat, program, transport, lambda text: say(f"cspdiag: {text}"))
+    except PlaceError as problem:
+        raise UsageError(f"--place {arguments.place}: {problem}") from None
+    try:
+        return simulate(
+            network,
+            files,
+            environment=arguments.environment,
+            until=until,
+            real_time=arguments.real_time,
+            recorder=recorder,
+            on_start=lambda running: on_start(ProgramInThread(running)),
+            changes=changes,
+            recording=recording,
+            part=part.network,
+        )
+    except PlaceError as problem:
+        raise NoResultError(str(problem)) from None
+    finally:
+        part.close()

@@ -1,0 +1,271 @@
+"""Links to the other places: every message arrives once and in order, however often the network loses or delays it.
+
+A frame has the number of its message, and acknowledges all messages of the other side up to a number. What is not
+acknowledged is sent again. Places send a frame regularly, also without a message: a place from which nothing comes for
+``PATIENCE`` is lost until something comes again.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any, Final, NamedTuple, Protocol
+from uuid import uuid4
+
+from cspdiag.base.errors import CspdiagError
+from cspdiag.runtime.kernel.signals import left_to_the_main_thread
+from cspdiag.runtime.real_time.jitter import Jitter
+from cspdiag.simulate.hosts.messages import BadMessageError, Codec
+
+PATIENCE: Final = 1.0
+"""Seconds of silence after which a place is lost."""
+_BEAT: Final = 0.1
+_AGAIN: Final = 0.05
+"""Seconds after which a message is sent again that has not been acknowledged."""
+_LOOK: Final = 0.02
+
+
+class PlaceError(CspdiagError):
+    """The places of a program cannot run together; the message is one line."""
+
+
+class Transport(Protocol):
+    """Brings bytes to places, as a rule."""
+
+    def open(self, place: str, arrived: Callable[[bytes], None]) -> None:
+        """From now on ``arrived`` is called, in any thread, with what is sent to ``place``. Raises PlaceError."""
+        ...
+
+    def send(self, place: str, data: bytes) -> None:
+        """Sends; what cannot be sent is lost."""
+        ...
+
+    def close(self) -> None:
+        """Nothing arrives any more."""
+        ...
+
+
+class Frame(NamedTuple):
+    """What is sent. ``instance`` is the process that has the place, ``known`` the one that it takes for the receiver;
+    ``program`` says what it runs. ``number`` is that of ``message``, 0 without one. ``stamp`` is its clock in
+    nanoseconds; ``echo`` is that of the receiver when it sent the last frame that arrived, and since when it is here.
+    """
+
+    place: str
+    instance: str
+    known: str
+    program: tuple[tuple[str, str], ...]
+    number: int
+    acknowledged: int
+    stamp: int
+    echo: tuple[int, int]
+    message: Any
+
+
+class Link:
+    """What is known of another place; ``round_trips`` are the times to it and back."""
+
+    def __init__(self, place: str) -> None:
+        self.place = place
+        self.instance = ""
+        self.knows = ""
+        """The process that the other place takes for this one."""
+        self.heard = 0.0
+        self.sent = 0.0
+        self.number = 0
+        self.received = 0
+        self.waiting: deque[tuple[int, Any]] = deque()
+        self.since = 0.0
+        """When the first message that waits for its acknowledgement was last sent."""
+        self.echo = (0, 0)
+        self.measured = 0
+        """The stamp of the last frame whose round trip was measured."""
+        self.lost = False
+        self.over = False
+        """Whether the other place has said that it has ended."""
+        self.losses = 0
+        self.round_trips = Jitter()
+
+
+class Links:
+    """The links of a place to all others. ``news`` is called, in any thread, when a message has arrived, and regularly
+    while a place is lost.
+    """
+
+    def __init__(
+        self, transport: Transport, codec: Codec, place: str, others: Sequence[str], program: dict[str, str]
+    ) -> None:
+        self.place = place
+        self.by_place = {other: Link(other) for other in others}
+        self.inbox: deque[tuple[str, Any]] = deque()
+        self.news: Callable[[], None] = lambda: None
+        self.problem: PlaceError | None = None
+        """Why the places cannot run together."""
+        self._instance = uuid4().hex
+        self._program = tuple(program.items())
+        self._transport = transport
+        self._codec = codec
+        self._changed = threading.Condition(threading.RLock())
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._keep_up, name="links to other places", daemon=True)
+
+    def open(self) -> None:
+        """Begins to look for the other places. Raises PlaceError."""
+        self._transport.open(self.place, self._arrived)
+        with left_to_the_main_thread():
+            self._thread.start()
+
+    def wait(self, seconds: float) -> None:
+        """Waits until something has arrived, but no longer than that."""
+        with self._changed:
+            if not self.inbox and self.problem is None:
+                self._changed.wait(seconds)
+
+    @property
+    def missing(self) -> list[str]:
+        """The places that have not been found yet."""
+        with self._changed:
+            return [link.place for link in self.by_place.values() if link.knows != self._instance or not link.instance]
+
+    @property
+    def lost(self) -> list[Link]:
+        """The places that are silent now."""
+        return [link for link in self.by_place.values() if link.lost and not link.over]
+
+    def send(self, place: str, message: Any) -> None:
+        """Sends a message, which arrives when the link allows it."""
+        link = self.by_place[place]
+        with self._changed:
+            link.number += 1
+            link.waiting.append((link.number, message))
+            if len(link.waiting) == 1:
+                link.since = time.monotonic()
+            self._transmit(link, link.number, message)
+
+    def broadcast(self, message: Any) -> None:
+        """Sends a message to all other places."""
+        for place in self.by_place:
+            self.send(place, message)
+
+    def report(self) -> list[str]:
+        """What was measured, a line for each link."""
+        lines = []
+        for link in self.by_place.values():
+            losses = f", lost {link.losses} {'time' if link.losses == 1 else 'times'}" if link.losses else ""
+            lines.append(f"round trip to {link.place}: {link.round_trips}{losses}")
+        return lines
+
+    def close(self, patience: float = 0.5) -> None:
+        """Waits, but not for long, until all messages have arrived, and leaves."""
+        until = time.monotonic() + patience
+        while time.monotonic() < until and any(
+            link.waiting and not link.lost and link.instance for link in self.by_place.values()
+        ):
+            time.sleep(_LOOK / 2)
+        self._closed.set()
+        if self._thread.is_alive():
+            self._thread.join()
+        self._transport.close()
+
+    def _transmit(self, link: Link, number: int = 0, message: Any = None) -> None:
+        now = time.monotonic_ns()
+        link.sent = now / 1e9
+        received, since = link.echo
+        echo = (received, now - since)
+        acknowledged = link.received
+        frame = Frame(
+            self.place, self._instance, link.instance, self._program, number, acknowledged, now, echo, message
+        )
+        self._transport.send(link.place, self._codec.written(tuple(frame)))
+
+    def _keep_up(self) -> None:
+        while not self._closed.wait(_LOOK):
+            with self._changed:
+                for link in self.by_place.values():
+                    self._keep_up_with(link, time.monotonic())
+            if self.lost:
+                self.news()
+
+    def _keep_up_with(self, link: Link, now: float) -> None:
+        if link.instance and not link.over and not link.lost and now - link.heard > PATIENCE:
+            link.lost = True
+            link.losses += 1
+            self._changed.notify_all()
+        if link.waiting and now - link.since > _AGAIN:
+            link.since = now
+            for number, message in list(link.waiting)[: 1 if link.lost else None]:
+                self._transmit(link, number, message)
+        elif now - link.sent > _BEAT:
+            self._transmit(link)
+
+    def _arrived(self, data: bytes) -> None:
+        now = time.monotonic_ns()
+        try:
+            frame = Frame(*self._codec.read(data))
+        except (BadMessageError, TypeError):
+            return  # It is from something else than a place of the program.
+        link = self.by_place.get(frame.place)
+        if link is None:
+            if frame.place == self.place and frame.instance != self._instance:
+                self._fail(f"another process has the place `{self.place}`, too")
+            return
+        with self._changed:
+            if self._is_partner(link, frame):
+                self._take(link, frame, now)
+            self._changed.notify_all()
+        self.news()
+
+    def _is_partner(self, link: Link, frame: Frame) -> bool:
+        """Whether a frame comes from the process that has the place, and is for this one."""
+        if frame.program != self._program:
+            self._fail(_difference(frame.place, dict(self._program), dict(frame.program)))
+            return False
+        if frame.known not in ("", self._instance):
+            if not link.instance:
+                self._fail(f"another process has the place `{self.place}`, or had it in a run that has not ended")
+            return False
+        if link.instance and frame.instance != link.instance:
+            begun = link.knows == self._instance
+            silent = time.monotonic() - link.heard > PATIENCE
+            if begun or not silent:
+                self._transmit(link)  # Which tells it that another process has its place.
+                return False
+            link.instance = ""
+        if not link.instance:
+            link.instance = frame.instance
+        return True
+
+    def _take(self, link: Link, frame: Frame, now: int) -> None:
+        if frame.known:
+            link.knows = frame.known
+        link.heard = now / 1e9
+        link.lost = False
+        sent, held = frame.echo
+        if sent and frame.known == self._instance and sent != link.measured:
+            link.measured = sent
+            link.round_trips.add(max(0, now - sent - held))
+        link.echo = (frame.stamp, now)
+        while link.waiting and link.waiting[0][0] <= frame.acknowledged:
+            link.waiting.popleft()
+            link.since = now / 1e9
+        if frame.number:
+            if frame.number == link.received + 1:
+                link.received = frame.number
+                self.inbox.append((link.place, frame.message))
+            self._transmit(link)
+
+    def _fail(self, why: str) -> None:
+        if self.problem is None:
+            self.problem = PlaceError(why)
+        with self._changed:
+            self._changed.notify_all()
+
+
+def _difference(other: str, own: dict[str, str], theirs: dict[str, str]) -> str:
+    for what, value in own.items():
+        if theirs.get(what) != value:
+            shown = f": here {value}, there {theirs.get(what)}" if what != "program" else ""
+            return f"the place `{other}` has another {what}{shown}; start all places with the same files and options"
+    return f"the place `{other}` runs another version of cspdiag"

@@ -1,0 +1,91 @@
+"""Bytes between places over Zenoh: the first place listens at the address, the others connect to it."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from typing import Any
+
+from cspdiag.simulate.hosts.links import PlaceError
+
+
+class ZenohTransport:
+    """See ``Transport``. ``address`` is ``HOST:PORT``; ``room`` is what the keys of one program begin with."""
+
+    def __init__(self, address: str, room: str, *, listens: bool, patience: float) -> None:
+        self._address = address
+        self._room = room
+        self._listens = listens
+        self._patience = patience
+        self._session: Any = None
+        self._publishers: dict[str, Any] = {}
+
+    def open(self, place: str, arrived: Callable[[bytes], None]) -> None:
+        """See ``Transport.open``."""
+        self._session = self._listening() if self._listens else self._connected()
+        self._session.declare_subscriber(f"{self._room}/{place}", lambda sample: arrived(sample.payload.to_bytes()))
+
+    def _listening(self) -> Any:
+        zenoh = _library()
+        endpoint = {"listen/endpoints": [f"tcp/{self._address}"], "listen/exit_on_failure": True}
+        try:
+            return zenoh.open(_config(zenoh, mode="router", **endpoint))
+        except zenoh.ZError as error:
+            raise PlaceError(
+                f"the first place listens at its address, but {self._address} is not free or not of this machine "
+                f"({_first_line(error)})"
+            ) from None
+
+    def _connected(self) -> Any:
+        from cspdiag.runtime.kernel.stopping import stopping
+
+        zenoh = _library()
+        settings: dict[str, Any] = {"connect/endpoints": [f"tcp/{self._address}"], "connect/exit_on_failure": True}
+        until = time.monotonic() + self._patience
+        while True:
+            try:
+                return zenoh.open(_config(zenoh, mode="client", **settings, **{"connect/timeout_ms": 500}))
+            except zenoh.ZError as error:
+                stopping.check()
+                if time.monotonic() > until:
+                    raise PlaceError(
+                        f"nobody listens at {self._address}: start the first place there ({_first_line(error)})"
+                    ) from None
+
+    def send(self, place: str, data: bytes) -> None:
+        """See ``Transport.send``."""
+        zenoh = _library()
+        publisher = self._publishers.get(place)
+        if publisher is None:
+            publisher = self._publishers[place] = self._session.declare_publisher(
+                f"{self._room}/{place}", express=True, congestion_control=zenoh.CongestionControl.DROP
+            )
+        try:
+            publisher.put(data)
+        except zenoh.ZError:
+            return  # It is sent again.
+
+    def close(self) -> None:
+        """See ``Transport.close``."""
+        if self._session is not None:
+            self._session.close()
+
+
+def _library() -> Any:
+    try:
+        import zenoh
+    except ImportError:
+        raise PlaceError("places need eclipse-zenoh: pip install 'cspdiag[zenoh]'") from None
+    return zenoh
+
+
+def _config(zenoh: Any, **settings: Any) -> Any:
+    config = zenoh.Config()
+    for key, value in {"scouting/multicast/enabled": False, **settings}.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).partition(" at /")[0].splitlines()[0].rstrip(".")

@@ -1,0 +1,388 @@
+"""A run of one place of a program: as any other run, but what the other places do arrives as messages."""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict, deque
+from collections.abc import Iterable
+from typing import Any, Final, Literal
+
+from cspdiag.runtime import Network, Process
+from cspdiag.runtime.channels.broadcast import Broadcast, BroadcastEnd
+from cspdiag.runtime.channels.channel import Channel
+from cspdiag.runtime.channels.converting import Converting
+from cspdiag.runtime.kernel.clock import Clock
+from cspdiag.runtime.kernel.durations import END_OF_TIME
+from cspdiag.runtime.kernel.exceptions import (
+    LinkTimeout,
+    PartnerLost,
+    Place,
+    ProcessError,
+    RunFailed,
+    described,
+    text_of,
+)
+from cspdiag.runtime.kernel.observer import Observer
+from cspdiag.runtime.kernel.party import Party
+from cspdiag.runtime.kernel.scheduler import Scheduler
+from cspdiag.runtime.kernel.stopping import stopping
+from cspdiag.runtime.network import NetworkRun
+from cspdiag.runtime.outcome import Outcome
+from cspdiag.runtime.outside.drivers import Signal
+from cspdiag.runtime.outside.external import EventOutput, Port, SampledOutput
+from cspdiag.runtime.outside.instants import Environment
+from cspdiag.simulate.hosts.division import Division
+from cspdiag.simulate.hosts.ends import Item, ReceivingEnd, SendingEnd
+from cspdiag.simulate.hosts.links import PATIENCE, Links
+from cspdiag.simulate.hosts.lost import raise_in_waiting
+from cspdiag.simulate.hosts.processes import Elsewhere, Here, replace_instances
+from cspdiag.simulate.run.probes import parts_of
+
+_LOOK: Final = 0.05
+SILENCE: Final = 5.0
+"""Seconds after which a run in virtual time gives a silent place up."""
+_RAISE_AGAIN: Final = 0.1
+_QUEUE: Final = 8
+"""How many messages may wait for their acknowledgement when the value of a signal is sent."""
+
+
+class DividedNetwork(Network):
+    """The part of a program that one place runs."""
+
+    def __init__(self, network: Network, division: Division, links: Links) -> None:
+        super().__init__(network.process, network.ports, network.parameters)
+        assert isinstance(self.process, Process)
+        self.division = division
+        self.links = links
+        self.channels = _channels(self.process)
+        self.ended: list[tuple[str, BaseException | None]] = []
+        """The instances of this place that have ended, with their exceptions, since the other places were notified."""
+        replaced = replace_instances(self.process, self._replacement)
+        self.elsewhere = {path: part for path, part in replaced.items() if isinstance(part, Elsewhere)}
+
+    def _replacement(self, instance: Process) -> Process:
+        place = self.division.place_of_path(instance.name)
+        if place == self.division.place:
+            return Here(instance, lambda path, error: self.ended.append((path, error)))
+        return Elsewhere(instance, place)
+
+    def _new_run(
+        self,
+        scheduler: Scheduler,
+        environment: Environment | None,
+        clock: Clock,
+        until: int | None,
+        on_miss: Literal["timeout", "count"],
+        observer: Observer | None,
+    ) -> NetworkRun:
+        return DividedRun(self, scheduler, environment, clock, until, on_miss, observer)
+
+
+def _channels(process: Process) -> dict[str, Channel[Any] | Broadcast[Any]]:
+    """The channels of a process and of all processes in it, by name."""
+    found = {}
+    for part in parts_of(process):
+        end = part.end if isinstance(part, Converting) else part
+        channel = end.channel if isinstance(end, BroadcastEnd) else end
+        if isinstance(channel, Channel | Broadcast):
+            found[channel.name] = channel
+    return found
+
+
+class DividedRun(NetworkRun):
+    """One run of the part of a place."""
+
+    _network: DividedNetwork
+
+    def __init__(
+        self,
+        network: DividedNetwork,
+        scheduler: Scheduler,
+        environment: Environment | None,
+        clock: Clock,
+        until: int | None,
+        on_miss: Literal["timeout", "count"],
+        observer: Observer | None,
+    ) -> None:
+        super().__init__(network, scheduler, environment, clock, until, on_miss, observer)
+        self._division = network.division
+        self._links = network.links
+        self._outgoing: defaultdict[str, list[tuple[Any, ...]]] = defaultdict(list)
+        self._sending: dict[tuple[str, str], SendingEnd] = {}
+        self._receiving: dict[str, ReceivingEnd] = {}
+        self._connect()
+        outputs = [port for port in network.ports if isinstance(port, SampledOutput | EventOutput)]
+        self._signals = {port.name: port.driver for port in outputs if type(port.driver) is Signal}
+        own = [(name, signal) for name, signal in self._signals.items() if name in self._division.own_ports]
+        self._known = {(other, name): signal.value for other in self._division.others for name, signal in own}
+        """The values of the signals of this place as the others know them."""
+        self._rounds: dict[str, deque[tuple[Any, ...]]] = {other: deque() for other in self._division.others}
+        self._round = 0
+        self._ready: set[str] = set()
+        self._doom: PartnerLost | None = None
+        """Why the run has to end: another place has."""
+        self._raise_again = 0.0
+
+    def _own_ports(self) -> tuple[Port, ...]:
+        own = self._network.division.own_ports
+        return tuple(port for port in self._network.ports if port.name in own)
+
+    def _connect(self) -> None:
+        here = self._division.place
+        for crossing in self._division.crossings:
+            channel = self._network.channels[crossing.path]
+            if here == crossing.writer:
+                self._keep_own_ends(channel)
+                for reader in crossing.readers:
+                    end = channel.reader() if isinstance(channel, Broadcast) else channel
+                    assert isinstance(end, Channel | BroadcastEnd)
+                    self._sending[reader, crossing.path] = SendingEnd(end, reader, self._tell)
+            elif here in crossing.readers:
+                self._keep_own_ends(channel)
+                self._receiving[crossing.path] = ReceivingEnd(channel, crossing.writer, self._scheduler, self._tell)
+
+    def _keep_own_ends(self, channel: Channel[Any] | Broadcast[Any]) -> None:
+        """The readers elsewhere get the values of a broadcast in their own place."""
+        if isinstance(channel, Broadcast):
+            here = self._division.place
+            channel.ends = [end for end in channel.ends if self._division.place_of_path(end.owner) == here]
+
+    # What is sent and received
+
+    def _tell(self, place: str, item: Item) -> None:
+        self._outgoing[place].append(tuple(item))
+
+    def _collect(self) -> bool:
+        """Gathers what has happened here for the others; returns whether it can have an effect in this instant."""
+        for end in self._sending.values():
+            end.step()
+        for path, error in self._network.ended:
+            for other in self._division.others:
+                self._outgoing[other].append(_ending(path, error))
+        self._network.ended.clear()
+        return any(self._outgoing.values())
+
+    def _collect_signals(self, place: str) -> None:
+        """Adds the values of the environment's signals that a place does not know yet."""
+        for (other, name), value in self._known.items():
+            present = self._signals[name].value
+            if other == place and present is not value:
+                self._known[other, name] = present
+                self._outgoing[place].append(("signal", name, present))
+
+    def _hear(self, place: str, items: Iterable[tuple[Any, ...]]) -> None:
+        for what, *rest in items:
+            match what:
+                case "offer":
+                    channel, number, value, writer = rest
+                    self._receiving[channel].offer(number, value, writer)
+                case "withdraw":
+                    self._receiving[rest[0]].withdraw(rest[1])
+                case "taken":
+                    self._sending[place, rest[0]].taken(rest[1])
+                case "signal":
+                    self._signals[rest[0]].value = rest[1]
+                case "ended":
+                    path, error = rest
+                    self._network.elsewhere[path].end(None if error is None else _error(*error))
+                case _:
+                    raise AssertionError(what)
+
+    def _receive(self) -> list[tuple[str, tuple[Any, ...]]]:
+        """What has arrived since the last time, without what is about the places themselves."""
+        arrived = []
+        inbox = self._links.inbox
+        while inbox:
+            place, message = inbox.popleft()
+            what, *rest = message
+            if what == "bye":
+                self._hear_end(place, *rest)
+            elif what == "ready":
+                self._ready.add(place)
+            elif what == "round":
+                self._rounds[place].append(tuple(rest))
+            else:
+                arrived.append((place, message))
+        return arrived
+
+    def _hear_end(self, place: str, ended: str, why: str) -> None:
+        self._links.by_place[place].over = True
+        if ended not in ("terminated", "time limit"):
+            self._doom = PartnerLost(f"the place `{place}` has ended: {why}")
+
+    @property
+    def _present(self) -> list[str]:
+        """The other places that are still running."""
+        return [other for other, link in self._links.by_place.items() if not link.over]
+
+    # The run
+
+    def outcome(self) -> Outcome:
+        """The run, after which the other places are notified that it is over."""
+        outcome = super().outcome()
+        why = {"stopped": "it was stopped", "deadlock": "a deadlock"}.get(outcome.ended, outcome.ended)
+        if outcome.error is not None:
+            why = described(outcome.error)
+        outcome.links = self._links.report()
+        self._links.broadcast(("bye", outcome.ended, why))
+        return outcome
+
+    def _observe(self) -> None:
+        super()._observe()
+        observe = self._scheduler.observe
+        if observe is None:
+            return
+        crossings = {crossing.path for crossing in self._division.crossings}
+
+        def observe_here(channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
+            if reader is not None or channel not in crossings:  # The place of the reader shows the communication.
+                observe(channel, value, writer, reader)
+
+        self._scheduler.observe = observe_here
+
+    def _start(self) -> None:
+        super()._start()
+        self._links.news = self._clock.notify
+        if self._clock.real:
+            self._links.broadcast(("ready",))
+            while not self._ready.issuperset(self._present):
+                self._wait_for_messages()
+                self._receive()
+            self._clock.start()
+
+    def _wait_for_messages(self) -> None:
+        """Waits for a while. Raises RunFailed if there is no hope."""
+        self._links.wait(_LOOK)
+        stopping.check()
+        if self._doom is not None:
+            raise RunFailed(self._doom)
+        for link in self._links.lost:
+            if time.monotonic() - link.heard > SILENCE:
+                raise RunFailed(PartnerLost(f"the place `{link.place}` has been silent for {SILENCE:g} s"))
+
+    def _ended_by_itself(self) -> Outcome:
+        self._collect()
+        for other in self._present:
+            self._send_round(other, active=True) if not self._clock.real else self._flush(other)
+        return super()._ended_by_itself()
+
+    # In virtual time: in lock-step
+
+    def _in_virtual_time(self) -> Outcome:
+        """All places agree on each instant, which is the next one of any of them, when nothing happens at the present
+        one any more. What one tells the others in a round happens there in the next.
+        """
+        scheduler, timers, instants = self._scheduler, self._scheduler.timers, self._instants
+        until = END_OF_TIME if self._until is None else min(self._until, END_OF_TIME)
+        last = self._last_instant(until)
+        while True:
+            while scheduler.run_ready():
+                stopping.check()
+            stopping.check()
+            if self._root.ended:
+                return self._ended_by_itself()
+            if self._doom is not None:
+                raise RunFailed(self._doom)
+            timer = timers.next_instant()
+            can_continue = timer is not None or instants.port_can_have_effect()
+            following = [instant for instant in (timer, instants.after(scheduler.now)) if instant is not None]
+            instant = self._agree(min(following, default=None), can_continue=can_continue)
+            if instant == scheduler.now:
+                continue
+            if instant is None:
+                return self._deadlocked()
+            if instant > last:
+                if instant > until:
+                    return self._limit_reached(until)
+                self._change_parameters(instant)
+                last = self._last_instant(until)
+            scheduler.now = instant
+            instants.meet(instant)
+            timers.fall_due(instant)
+
+    def _agree(self, following: int | None, *, can_continue: bool) -> int | None:
+        """Ends a round with all places; returns the instant at which the next one is, None: nowhere can anything
+        happen.
+        """
+        active = self._collect()
+        for other in self._present:
+            self._send_round(other, active=active, following=following, can_continue=can_continue)
+        self._round += 1
+        votes = [(active, following, can_continue)]
+        for other in self._division.others:
+            while not self._rounds[other] and not self._links.by_place[other].over:
+                self._receive()
+                if not self._rounds[other] and not self._links.by_place[other].over:
+                    self._wait_for_messages()
+            if self._rounds[other]:
+                *vote, items = self._rounds[other].popleft()
+                votes.append(tuple(vote))
+                self._hear(other, items)
+        if any(is_active for is_active, _, _ in votes):
+            return self._scheduler.now
+        if not any(can for _, _, can in votes):
+            return None
+        return min(instant for _, instant, _ in votes if instant is not None)
+
+    def _send_round(
+        self, other: str, *, active: bool, following: int | None = None, can_continue: bool = False
+    ) -> None:
+        self._collect_signals(other)
+        self._links.send(other, ("round", active, following, can_continue, self._outgoing.pop(other, [])))
+
+    # In real time
+
+    def _stepped(self) -> None:
+        self._collect()
+        for other in self._present:
+            self._flush(other)
+
+    def _flush(self, other: str) -> None:
+        """Sends what a place is to know; values of signals only while the link keeps up with them."""
+        if len(self._links.by_place[other].waiting) < _QUEUE:
+            self._collect_signals(other)
+        items = self._outgoing.pop(other, None)
+        if items:
+            self._links.send(other, ("items", items))
+
+    def _has_news(self) -> bool:
+        return super()._has_news() or bool(self._links.inbox or self._links.lost)
+
+    def _take_over(self, instant: int | None) -> None:
+        super()._take_over(instant)
+        for place, (_, items) in self._receive():
+            self._hear(place, items)
+        if self._links.lost and time.monotonic() >= self._raise_again:
+            self._raise_again = time.monotonic() + _RAISE_AGAIN
+            for link in self._links.lost:
+                self._raise_timeouts(link.place)
+
+    def _raise_timeouts(self, place: str) -> None:
+        error = LinkTimeout(f"the place `{place}` has been silent for {PATIENCE:g} s")
+        if not self._division.talks_to(place):
+            for part in self._network.elsewhere.values():
+                if part.place == place:
+                    part.end(error)
+            return
+        channels = {path for path, end in self._receiving.items() if end.place == place}
+        channels |= {path for (other, path), end in self._sending.items() if other == place and end.waits}
+        raise_in_waiting(self._root, frozenset(channels), error)
+
+    def _can_continue(self) -> bool:
+        if self._doom is not None:
+            raise RunFailed(self._doom)
+        return bool(self._present) or super()._can_continue()
+
+
+def _ending(path: str, error: BaseException | None) -> tuple[Any, ...]:
+    if error is None:
+        return ("ended", path, None)
+    place = getattr(error, "place", None)
+    return ("ended", path, (type(error).__name__, text_of(error), None if place is None else str(place)))
+
+
+def _error(kind: str, text: str, place: str | None) -> ProcessError:
+    """An exception of a process in another place."""
+    error: ProcessError = type(kind, (ProcessError,), {})(*([text] if text else []))
+    error.place = None if place is None else Place(place)
+    return error
