@@ -18,6 +18,7 @@ from timing import BATCHES, report
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.cli.main import main as cspdiag
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native.build import CompilerError
 from cspdiag.simulate.native.run import build_program
 from cspdiag.simulate.result import Run
@@ -26,10 +27,10 @@ from cspdiag.simulate.run import execute
 JIWY = Path(__file__).parents[2] / "models/jiwy/jiwy.csp"
 STEPS = 20_000
 ROUNDS = 5
-"""The least of so many runs counts."""
+"""The shortest of these runs counts."""
 
 
-def network_of(folder: Path, *, with_fmu: bool) -> pipeline.CoreNetwork:
+def network_of(folder: Path, *, with_fmu: bool) -> CoreNetwork:
     """JIWY with the plant of the text, or with that plant as an FMU."""
     plain = pipeline.build(read_source(str(JIWY)), read_source).network
     assert plain is not None
@@ -109,14 +110,10 @@ def main(contestant: str) -> None:
         by_fmpy()
         return
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        match contestant:
-            case "native":
-                natively(folder, with_fmu=False)
-            case "c":
-                natively(folder, with_fmu=True)
-            case "python":
-                in_python(folder)
+        if contestant == "python":
+            in_python(Path(name))
+        else:
+            natively(Path(name), with_fmu=contestant == "c")
 
 
 main(sys.argv[2])
