@@ -384,24 +384,25 @@ class LoadedProgram:
         until: str | float | None = None,
         target: str = "auto",
         workers: int | None = None,
+        dask: str | None = None,
     ) -> Sweep:
         """Run the program with all combinations of values, and tabulate what is measured.
 
         ``set`` has, by name, a range as text (``"0.1:0.5:9"``), a sequence of values, or one value; ``measure`` texts
         such as ``"rms(pan.speed)"``. ``docs/sweeps.md`` lists both. ``until`` ends each run. Runs are native where that
         is possible, or as ``target`` says (``"c"``, ``"python"``), with the same results, in as many processes as there
-        are processors, or ``workers``.
+        are processors, or ``workers``; or on the Dask cluster whose scheduler has the address ``dask``.
 
         Raises the exceptions of ``build``, ``NoEnvironmentError``, ``MeasureError``, for C also ``CompilerError`` and
         ``TargetError``, and ArgumentError for other values.
         """
         from contextlib import closing
 
-        from cspdiag.sweep.execute import Jobs, make_runs, processors
+        from cspdiag.sweep.execute import Jobs, make_runs, processors, source_of_runs
         from cspdiag.sweep.plan import InvalidProgramError, Request, plan_sweep
         from cspdiag.sweep.table import Sweep
 
-        require_names(environment=environment)
+        require_names(environment=environment, dask=dask)
         require_one_of("target", target, ("auto", "c", "python"))
         if workers is not None and not (isinstance(workers, int) and 1 <= workers <= 1024):
             raise ArgumentError(f"workers is a number of processes from 1 to 1024, not {shown(workers)}")
@@ -425,7 +426,8 @@ class LoadedProgram:
                 raise ArgumentError("the program never ends by itself: say with `until` when each run ends")
             jobs = Jobs(plan, read_source, target)
             runs = range(len(plan.grid))
-            with closing(make_runs(plan, runs, jobs, workers=min(workers or processors(), len(runs)))) as found:
+            count = min(workers or processors(), len(runs))
+            with source_of_runs(dask, count) as source, closing(make_runs(plan, runs, jobs, source)) as found:
                 results = dict(found)
         return Sweep(plan.grid, plan.measures, results, jobs.made)
 

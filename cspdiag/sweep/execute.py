@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Callable, Generator, Iterator, Sequence
+from functools import partial
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from cspdiag.base.record import replaced
 from cspdiag.sweep.result import Result, without_measures
@@ -14,6 +16,7 @@ from cspdiag.sweep.workers import Job, Worker
 
 if TYPE_CHECKING:
     from cspdiag.pipeline import Reader
+    from cspdiag.sweep.cluster import Cluster
     from cspdiag.sweep.plan import Plan, Variant
 
 _LARGEST_CHUNK = 32
@@ -36,6 +39,8 @@ class Jobs:
         self._reader = reader
         self._target = target
         self._known: dict[int, Job | str] = {}
+        self.seconds = 0.0
+        """The time that was spent on compiling."""
         self.reason = ""
         """Why runs are made in Python; empty if they are not."""
 
@@ -51,8 +56,10 @@ class Jobs:
         CompilerError for the target "c".
         """
         if number not in self._known:
+            began = time.monotonic()
             variant = self._plan.variant(number)
             self._known[number] = variant.error if variant.network is None else self._job(variant)
+            self.seconds += time.monotonic() - began
         return self._known[number]
 
     def _job(self, variant: Variant) -> Job:
@@ -66,19 +73,26 @@ class Jobs:
                 if self._target == "c":
                     raise
                 self.reason = str(problem).partition("\n")[0]
-        from cspdiag.sweep.in_python import python_job
+        from cspdiag.sweep.in_python import python_maker, task_of
 
-        return python_job(self._plan, variant)
+        python = python_maker(self._plan)
+        return Job(python, python.command(), partial(task_of, self._plan))
 
 
 def native_job(plan: Plan, variant: Variant, reader: Reader) -> Job:
     """The job of native processes. Raises TargetError and CompilerError."""
-    from cspdiag.sweep.native import NativeProtocol, native_source
+    from cspdiag.sweep.native import ParameterWriter, native_maker
 
     assert variant.network is not None
-    source = native_source(variant.network, variant.environment, reader)
-    exchange = NativeProtocol(plan, variant)
-    return Job((str(source.executable()),), exchange, source.runs_once, len(plan.measures.measures))
+    maker = native_maker(plan, variant, reader)
+    return Job(maker, maker.command(), ParameterWriter(plan, variant.network).task)
+
+
+class Source(Protocol):
+    """Where runs are made."""
+
+    def results(self, job: Job, runs: Sequence[int]) -> Iterator[tuple[int, Result]]:
+        """The results of the runs of one job, in any order."""
 
 
 class Pool:
@@ -135,28 +149,36 @@ class Pool:
             worker.end()
 
 
+def source_of_runs(dask: str | None, workers: int) -> Pool | Cluster:
+    """Where runs are made: on the cluster at an address, or in processes of this machine. Raises ClusterError."""
+    if dask is None:
+        return Pool(workers)
+    from cspdiag.sweep.cluster import Cluster
+
+    return Cluster(dask)
+
+
 def make_runs(
     plan: Plan,
     runs: Sequence[int],
     jobs: Jobs,
+    source: Source,
     *,
-    workers: int,
     on_build: Callable[[int], None] = lambda _: None,
 ) -> Generator[tuple[int, Result], None, None]:
     """The results of runs as they are known; ``on_build`` is called before the program of a variant is built."""
     by_variant: dict[int, list[int]] = {}
     for run in runs:
         by_variant.setdefault(plan.variant_of(run), []).append(run)
-    with Pool(workers) as pool:
-        for number, own in by_variant.items():
-            on_build(number)
-            job = jobs[number]
-            if isinstance(job, str):
-                for run in own:
-                    yield run, without_measures("refused", job, len(plan.measures.measures))
-            else:
-                for run, result in pool.results(job, own):
-                    yield run, _with_reason(plan, run, result)
+    for number, own in by_variant.items():
+        on_build(number)
+        job = jobs[number]
+        if isinstance(job, str):
+            for run in own:
+                yield run, without_measures("refused", job, len(plan.measures.measures))
+        else:
+            for run, result in source.results(job, own):
+                yield run, _with_reason(plan, run, result)
 
 
 def _with_reason(plan: Plan, run: int, result: Result) -> Result:

@@ -20,12 +20,11 @@ from cspdiag.simulate.record.leaves import leaf
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.sweep.measures import Measures, Signal, measured
 from cspdiag.sweep.result import Result, without_measures
-from cspdiag.sweep.workers import Job
 
 if TYPE_CHECKING:
     from cspdiag.model.types import Real
     from cspdiag.network.ir.network import CoreNetwork, Environment
-    from cspdiag.sweep.plan import Plan, Variant
+    from cspdiag.sweep.plan import Plan
 
 
 @record
@@ -40,20 +39,17 @@ class PythonRuns:
     measures: Measures
 
 
-class PythonExchange:
-    """What goes to a process that runs in Python, and comes from it: pickled objects."""
+@record
+class PythonMaker:
+    """Processes that run in Python: what goes to them and comes from them are pickled objects."""
 
-    def __init__(self, plan: Plan) -> None:
-        request = plan.request
-        runs = PythonRuns(
-            request.source.name, plan.texts, request.environment, request.until, request.real, plan.measures
-        )
-        self._plan = plan
-        self.head = pickle.dumps(runs)
+    head: bytes
+    measures: int
+    runs_once: bool = False
 
-    def task(self, run: int) -> bytes:
-        """The settings of a run."""
-        return pickle.dumps(self._plan.settings(run))
+    def command(self) -> tuple[str, ...]:
+        """This interpreter, with this module."""
+        return (sys.executable, "-m", __name__)
 
     def read(self, stream: IO[bytes]) -> Result | None:
         """The next result; None if the process has ended before that."""
@@ -63,11 +59,16 @@ class PythonExchange:
             return None
 
 
-def python_job(plan: Plan, variant: Variant) -> Job:
-    """The job of processes that run in Python."""
-    del variant  # Each run has a program of its own.
-    command = (sys.executable, "-m", __name__)
-    return Job(command, PythonExchange(plan), runs_once=False, measures=len(plan.measures.measures))
+def python_maker(plan: Plan) -> PythonMaker:
+    """What makes the runs of all variants: each run has a program of its own."""
+    request = plan.request
+    runs = PythonRuns(request.source.name, plan.texts, request.environment, request.until, request.real, plan.measures)
+    return PythonMaker(pickle.dumps(runs), len(plan.measures.measures))
+
+
+def task_of(plan: Plan, run: int) -> bytes:
+    """The settings of a run."""
+    return pickle.dumps(plan.settings(run))
 
 
 def main() -> None:

@@ -77,35 +77,29 @@ def _is_linked(name: str) -> bool:
     return name == "csp_port_simulation.c" or not (name.startswith("csp_port_") or name in _NOT_LINKED)
 
 
-class NativeProtocol:
-    """What goes to a native process and comes from it."""
+@record
+class NativeMaker:
+    """A native program for sweeps, and what is exchanged with it."""
 
-    def __init__(self, plan: Plan, variant: Variant) -> None:
-        assert variant.network is not None
-        self._plan = plan
-        self._environment = variant.environment
-        self._count = len(plan.measures.measures)
-        own = [item for item in variant.network.parameters if item.follows is None]
-        self._type = StructType("parameters", tuple((item.name, item.type) for item in own))
-        self._first = encoded(self._type, [item.value for item in own]) if own else b"\0"
-        self._positions = {item.name: at for at, item in enumerate(own)}
-        self.head = _head(plan.measures, plan.request.until)
+    source: NativeSource
+    head: bytes
+    measures: int
+    environment: str
 
-    def task(self, run: int) -> bytes:
-        """The parameters of a run."""
-        data = bytearray(self._first)
-        for name, part, value in self._plan.parameter_values(run):
-            path = (self._positions[name], *part)
-            piece = encoded(type_at(self._type, path), value.value)
-            place = offset_of(self._type, path)
-            data[place : place + len(piece)] = piece
-        return bytes(data)
+    @property
+    def runs_once(self) -> bool:
+        """Whether each run needs a process of its own."""
+        return self.source.runs_once
+
+    def command(self) -> tuple[str, ...]:
+        """The program, which is built unless it is in the cache. Raises CompilerError."""
+        return (str(self.source.executable()),)
 
     def read(self, stream: IO[bytes]) -> Result | None:
         """The next result; None if the process has ended before that."""
         head = stream.read(_RESULT.size)
-        values = stream.read(8 * self._count)
-        if len(head) < _RESULT.size or len(values) < 8 * self._count:
+        values = stream.read(8 * self.measures)
+        if len(head) < _RESULT.size or len(values) < 8 * self.measures:
             return None
         time, ending, length = _RESULT.unpack(head)
         text = stream.read(length)
@@ -113,13 +107,43 @@ class NativeProtocol:
             return None
         ended = _ENDINGS[ending]
         if ended == "refused":
-            return without_measures("refused", "", self._count)
+            return without_measures("refused", "", self.measures)
         error = ""
         if ended == "failed":
             exception, message, place, _ = text.decode("utf-8", "replace").split("\0")
-            error = described(failure_of(exception, message, place, self._environment))
-        numbers = struct.unpack(f"={self._count}d", values)
+            error = described(failure_of(exception, message, place, self.environment))
+        numbers = struct.unpack(f"={self.measures}d", values)
         return Result(ended, time / 1e9, error, tuple(None if isnan(value) else value for value in numbers))
+
+
+def native_maker(plan: Plan, variant: Variant, reader: Reader) -> NativeMaker:
+    """What makes the runs of a variant. Raises TargetError for what C cannot express."""
+    assert variant.network is not None
+    environment = variant.environment
+    source = native_source(variant.network, environment, reader)
+    head = _head(plan.measures, plan.request.until)
+    return NativeMaker(source, head, len(plan.measures.measures), "" if environment is None else environment.name)
+
+
+class ParameterWriter:
+    """Makes the structure of the parameters for each run of a variant."""
+
+    def __init__(self, plan: Plan, network: CoreNetwork) -> None:
+        self._plan = plan
+        own = [item for item in network.parameters if item.follows is None]
+        self._type = StructType("parameters", tuple((item.name, item.type) for item in own))
+        self._first = encoded(self._type, [item.value for item in own]) if own else b"\0"
+        self._positions = {item.name: at for at, item in enumerate(own)}
+
+    def task(self, run: int) -> bytes:
+        """The structure for a run; a byte if there are no parameters."""
+        data = bytearray(self._first)
+        for name, part, value in self._plan.parameter_values(run):
+            path = (self._positions[name], *part)
+            piece = encoded(type_at(self._type, path), value.value)
+            place = offset_of(self._type, path)
+            data[place : place + len(piece)] = piece
+        return bytes(data)
 
 
 def _head(measures: Measures, until: int | None) -> bytes:

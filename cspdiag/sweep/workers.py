@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import IO, Protocol
 
@@ -15,27 +15,35 @@ _LARGEST_BATCH = 1 << 15
 """In bytes: a pipe holds that much, so writing tasks never waits for a process that waits for its reader."""
 
 
-class Exchange(Protocol):
-    """What goes to a process and comes from it."""
+class Maker(Protocol):
+    """What makes the runs of a variant: a program and its language. It can be pickled, for other machines."""
 
-    head: bytes
-    """What it is given once."""
+    @property
+    def runs_once(self) -> bool:
+        """Whether each run needs a process of its own."""
 
-    def task(self, run: int) -> bytes:
-        """What it is given for a run."""
+    @property
+    def measures(self) -> int:
+        """The number of measures."""
+
+    @property
+    def head(self) -> bytes:
+        """What a process is given once."""
+
+    def command(self) -> tuple[str, ...]:
+        """The command of the process, which is built if need be."""
 
     def read(self, stream: IO[bytes]) -> Result | None:
-        """The next result; None if the process has ended before that."""
+        """The next result of a process; None if it has ended before that."""
 
 
 @record
 class Job:
-    """How the runs of a variant are made: the command of the process, and what is exchanged with it."""
+    """How the runs of a variant are made; ``task`` is what a process is given for a run."""
 
+    maker: Maker
     command: tuple[str, ...]
-    exchange: Exchange
-    runs_once: bool
-    measures: int
+    task: Callable[[int], bytes]
 
 
 class Worker:
@@ -50,7 +58,7 @@ class Worker:
         """The results of runs, as they are known. A run in which a process dies is made once more in another one."""
         pending, suspect = list(runs), -1
         while pending and not self._closed:
-            count = 1 if job.runs_once or suspect == pending[0] else len(pending)
+            count = 1 if job.maker.runs_once or suspect == pending[0] else len(pending)
             done = 0
             for run, result in self._batch(job, pending[:count]):
                 yield run, result
@@ -60,12 +68,12 @@ class Worker:
             if done < count:
                 how = self.end()
                 if pending[done] == suspect:
-                    yield suspect, without_measures("crashed", how, job.measures)
+                    yield suspect, without_measures("crashed", how, job.maker.measures)
                     done += 1
                     suspect = -1
                 else:
                     suspect = pending[done]
-            elif job.runs_once:
+            elif job.maker.runs_once:
                 self.end()
             del pending[:done]
 
@@ -78,7 +86,7 @@ class Worker:
         while waiting:
             size, tasks = 0, list[bytes]()
             for run in waiting:
-                task = job.exchange.task(run)
+                task = job.task(run)
                 size += len(task)
                 if tasks and size > _LARGEST_BATCH:
                     break
@@ -87,7 +95,7 @@ class Worker:
                 process.stdin.write(b"".join(tasks))
                 process.stdin.flush()
             for _ in tasks:
-                result = job.exchange.read(process.stdout)
+                result = job.maker.read(process.stdout)
                 if result is None:
                     return
                 yield waiting.pop(0), result
@@ -106,7 +114,7 @@ class Worker:
             )
             assert self._process.stdin is not None
             with suppress(OSError):
-                self._process.stdin.write(job.exchange.head)
+                self._process.stdin.write(job.maker.head)
         return self._process
 
     def end(self) -> str:

@@ -53,6 +53,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--workers", type=_count, metavar="N", help="processes that make runs (default: one for each processor)"
     )
+    parser.add_argument(
+        "--dask", metavar="ADDRESS", help="make the runs on a Dask cluster, at the address of its scheduler"
+    )
     parser.add_argument("-o", "--output", type=file_path, metavar="FILE", help="the table, as .csv or .parquet")
     parser.add_argument("--plot", type=file_path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
     parser.add_argument("--resume", action="store_true", help="continue a sweep that was interrupted, with the same -o")
@@ -77,6 +80,8 @@ def run(arguments: Namespace) -> int:
         return UNSUCCESSFUL
     show_diagnostics(plan.warnings, arguments.color)
     _require_end(plan)
+    if arguments.plot is not None and not (plan.measures.measures and any(len(a.values) > 1 for a in plan.grid.axes)):
+        raise UsageError("--plot shows measures over values: it needs a --measure, and a --set with several values")
     if plan.variants > 1 and arguments.target != "python" and not arguments.quiet:
         names = " and ".join(f"`{name}`" for name in plan.compiled_names)
         say(f"{plan.variants} programs are built, one for each value of {names}: a `parameter` would need one only")
@@ -165,10 +170,12 @@ def _write(sweep: Sweep, path: Path) -> None:
 
 
 def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None) -> Sweep | None:
+    from cspdiag.base.errors import MissingPackageError
     from cspdiag.cli.support.runs.sweep_progress import SweepProgress
     from cspdiag.codegen import target_errors
     from cspdiag.simulate.native.build import CompilerError
-    from cspdiag.sweep.execute import Jobs, make_runs, processors
+    from cspdiag.sweep.cluster import ClusterError
+    from cspdiag.sweep.execute import Jobs, make_runs, processors, source_of_runs
     from cspdiag.sweep.table import Sweep
 
     results = dict(partial.known if partial is not None else {})
@@ -176,12 +183,12 @@ def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None
     progress = None if arguments.quiet else SweepProgress(len(plan.grid), len(results))
     jobs = Jobs(plan, read_source, arguments.target)
     began = time.monotonic()
-    building = nullcontext() if progress is None else closing(progress)
+    shown = nullcontext() if progress is None else closing(progress)
+    workers = min(arguments.workers or processors(), max(1, len(missing)))
     try:
-        with building:
+        with shown, source_of_runs(arguments.dask, workers) as source:
             found = make_runs(
-                plan, missing, jobs,
-                workers=min(arguments.workers or processors(), max(1, len(missing))),
+                plan, missing, jobs, source,
                 on_build=lambda number: progress.building(number, plan.variants) if progress is not None else None,
             )  # fmt: skip
             with closing(found):
@@ -192,19 +199,21 @@ def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None
                     if progress is not None:
                         progress.done()
     except KeyboardInterrupt:
-        _say_interrupted(arguments, len(results), len(plan.grid), partial)
+        _say_interrupted(len(results), len(plan.grid), partial)
         return None
-    except (CompilerError, target_errors()) as problem:
+    except (CompilerError, ClusterError, MissingPackageError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
     sweep = Sweep(plan.grid, plan.measures, results, jobs.made)
     if arguments.plot is not None:
         sweep.plot(arguments.plot)
     if not arguments.quiet:
-        say(f"{len(sweep)} runs in {time.monotonic() - began:.3g} s, {sweep.made}: {sweep.summary()}")
+        seconds = time.monotonic() - began - jobs.seconds
+        built = f" after {jobs.seconds:.3g} s of compiling" if jobs.seconds > 0 else ""
+        say(f"{len(missing)} runs in {seconds:.3g} s{built}, {sweep.made}: {sweep.summary()}")
     return sweep
 
 
-def _say_interrupted(arguments: Namespace, done: int, total: int, partial: PartialTable | None) -> None:
+def _say_interrupted(done: int, total: int, partial: PartialTable | None) -> None:
     if partial is None:
         say(f"cspdiag: interrupted after {done} of {total} runs; with -o FILE, they would be kept for --resume")
     else:

@@ -336,20 +336,22 @@ def _outcome(
     if supervisor.killed:
         outcome.release_errors.append(supervisor.kill_error)
     if ended == "failed":
-        outcome.error = failure_of(end.exception, end.message, end.place, environment)
+        outcome.error = failure_of(
+            end.exception, end.message, end.place, "" if environment is None else environment.name
+        )
     if ended == "deadlock":
         outcome.deadlock = deadlock_report(end.time, reader.waiting, network, reader.recorder)
     return outcome
 
 
-def failure_of(exception: str, message: str, place: str, environment: Environment | None) -> BaseException:
+def failure_of(exception: str, message: str, place: str, environment: str) -> BaseException:
     """The exception with which the same program ends in Python, from what a native program reports of it."""
     from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, Place, ProcessError, Timeout
 
     process, _, statement = place.partition(" (")
     at = Place(process, statement.removesuffix(")") or None) if process else None
     if not exception:
-        return EnvironmentFailure(environment.name if environment is not None else "", Fault(message), at)
+        return EnvironmentFailure(environment, Fault(message), at)
     if exception == "Fault":
         return Fault(message, at)
     kind: type[ProcessError] = Timeout if exception == "Timeout" else type(exception, (ProcessError,), {})
