@@ -4,7 +4,6 @@ About the text and its proofs:
 
 =========================================  ==============================================================
 ``keeps Motor, Bench``                     these definitions are as in the program to start from
-``no warnings``                            ``cspdiag check`` finds nothing at all
 ``asserts Joint deadlock free``            the program has this assertion
 ``proves Joint deadlock free``             it holds, whether the program has it or not
 ``refutes Joint terminates``               it does not hold
@@ -72,6 +71,7 @@ class Attempt:
 
 def judge(task: Task, text: str) -> FailedCheckError | None:
     """The first check of a task that an attempt fails; None if it passes all."""
+    line = "no errors"
     try:
         attempt = Attempt(task, text)
         _refuse_errors(attempt.found, "no errors")
@@ -83,6 +83,8 @@ def judge(task: Task, text: str) -> FailedCheckError | None:
                 return FailedCheckError(line, wrong)
     except FailedCheckError as failure:
         return failure
+    except cspdiag.CspdiagError as problem:
+        return FailedCheckError(line, str(problem))
     return None
 
 
@@ -134,10 +136,6 @@ def _in_standard_format(text: str) -> dict[str, str]:
     tree = parse(SourceFile(name="attempt.csp", text=text), Report())
     without_comments = re.sub(r"^\s*//.*\n", "", format_tree(tree), flags=re.MULTILINE)
     return {name: each.strip() for name, each in definitions(without_comments).items()}
-
-
-def _no_warnings(attempt: Attempt) -> str:
-    return "; ".join(f"line {found.span.line}: {found.code} {found.message}" for found in attempt.found)
 
 
 def _asserts(attempt: Attempt, claim: str) -> str:
@@ -276,7 +274,6 @@ def _released(attempt: Attempt, port: str, value: str) -> str:
 _TIME = r"([\d.]+ (?:us|ms|s))"
 _CHECKS: dict[str, Callable[..., str]] = {
     r"keeps (.+)": _keeps,
-    "no warnings": _no_warnings,
     r"asserts (.+)": _asserts,
     r"proves (.+)": _proves,
     r"refutes (.+)": _refutes,

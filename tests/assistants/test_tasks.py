@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import cspdiag
 from tests.assistants.checks import judge
 from tests.assistants.judge import main, verdict_on
 from tests.assistants.tasks import Task, all_tasks, definitions
@@ -18,6 +19,7 @@ by_name = pytest.mark.parametrize("task", TASKS, ids=lambda task: task.name)
 def test_the_solution_passes(task: Task) -> None:
     failure = judge(task, task.solution)
     assert failure is None, failure
+    assert cspdiag.parse(task.solution).check() == []
 
 
 @by_name
