@@ -42,6 +42,7 @@ _ALTERNATING = {name: _PEERS[name] for name in ("asyncio", "PyCSP", "Go")}
 _RECORD = {"-O1": "recording python", "C": "recording c"}
 _AGAINST_THE_CLOCK = {"-O0": "real_time python-O0", "-O1": "real_time python-O1", "C": "real_time c"}
 _CHECK = {"cspdiag": "checking"}
+_EDIT = {"cspdiag": "editing"}
 _PROVE = {"cspdiag": "proving"}
 _RESPOND = {"cspdiag": "responding"}
 _ARRAYS = {name: f"arrays {name}" for name in ("ring", "pipeline", "workers", "star", "philosophers")}
@@ -113,6 +114,10 @@ BENCHMARKS = (
         "check-server-changed", "the same after a change of its main file", "ms",
         {"cspdiag": "cold_start server changed"},
     ),
+    Benchmark(
+        "edit-2000", "from a keystroke in 2,000 lines to the diagnostics of the language server", "ms", _EDIT,
+    ),
+    Benchmark("edit-memory-10000", "what 10,000 keystrokes add to the memory of the language server", "kB", _EDIT),
     Benchmark("check-1000", "checking 1000 lines of instances", "ms", _CHECK),
     Benchmark("check-10000", "checking 10 000 lines of instances", "ms", _CHECK, "at most 2500 ms"),
     Benchmark("compile-1000", "compiling 1000 lines of instances to Python", "ms", _CHECK),

@@ -23,6 +23,7 @@ from cspdiag.lsp.features import (
     rename,
     signature,
 )
+from cspdiag.lsp.garbage import Garbage
 from cspdiag.lsp.positions import Encoding
 from cspdiag.lsp.server import CspdiagServer
 
@@ -239,4 +240,5 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
 def serve() -> None:
     """Serve an editor on standard input and output until it ends the connection."""
     sys.setrecursionlimit(max(sys.getrecursionlimit(), 10_000))
+    Garbage.prepare()
     server.start_io()

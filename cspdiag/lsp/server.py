@@ -14,6 +14,7 @@ from pygls.protocol import LanguageServerProtocol, lsp_method
 from cspdiag import __version__
 from cspdiag.lsp.documents import MAX_CHARACTERS, Document, name_of
 from cspdiag.lsp.features import diagnostics
+from cspdiag.lsp.garbage import Garbage
 from cspdiag.lsp.session import Session
 from cspdiag.lsp.view import View
 
@@ -63,6 +64,7 @@ class CspdiagServer(LanguageServer):
         self._published: dict[str, dict[str, list[types.Diagnostic]]] = {}
         """What was published for each URI, by the identity of the document whose program has it."""
         self._last_seconds = 0.0
+        self._garbage = Garbage()
 
     # Documents
 
@@ -70,6 +72,7 @@ class CspdiagServer(LanguageServer):
         """Publish the diagnostics of a document and of the open programs that contain it, soon."""
         for user in self.session.users(document):
             self._changed[user.identity] = user
+        self._garbage.wait()
         if self._timer is not None:
             self._timer.cancel()
         pause = _SOON if self._last_seconds < _QUICK else min(self._last_seconds, _LONGEST_PAUSE)
@@ -83,6 +86,7 @@ class CspdiagServer(LanguageServer):
             if self.session.documents.get(document.uri) is document:
                 self._publish(document)
         self._last_seconds = time.perf_counter() - began
+        self._garbage.left()
 
     def _publish(self, document: Document) -> None:
         found: dict[str, list[types.Diagnostic]] = {document.uri: []}
@@ -90,7 +94,7 @@ class CspdiagServer(LanguageServer):
             found[document.uri].append(diagnostics.too_large(len(document.source.text), MAX_CHARACTERS))
         else:
             uri, positions = self.session.documents.uri, self.session.positions
-            for each in self.session.view(document).diagnostics:
+            for each in self.session.diagnostics(document):
                 shown = diagnostics.diagnostic(each, positions, uri)
                 found.setdefault(uri(each.span.file), []).append(shown)
         self._replace(document.identity, found)

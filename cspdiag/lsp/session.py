@@ -25,8 +25,8 @@ class Session:
         self._views: dict[str, View] = {}
         self._trees: dict[str, tuple[str, ast.SourceTree, list[Diagnostic]]] = {}
         """By name: the last text of a file with its tree and the mistakes in it."""
-        self.checks = 0
-        """How many programs were checked."""
+        self.views = 0
+        """How many views were made."""
         self.parses = 0
         """How many texts were parsed."""
 
@@ -35,12 +35,16 @@ class Session:
         known = self._views.get(document.identity)
         if known is not None and known.main is document.source and self._is_present(known):
             return known
-        self.checks += 1
+        self.views += 1
         view = self._views[document.identity] = View(document.source, self.documents.read, self._parse)
-        # Which files it imports is known once it was checked.
-        assert view.checked is not None
-        self._forget()
         return view
+
+    def diagnostics(self, document: Document) -> list[Diagnostic]:
+        """Everything that is wrong with the program of an open document."""
+        found = self.view(document).diagnostics
+        # Now it is known which files the program imports.
+        self._forget()
+        return found
 
     def views_with(self, file: str, folders: Sequence[str]) -> list[View]:
         """The programs that contain a file, given by its identity: those of open documents, and those in folders."""

@@ -59,8 +59,8 @@ class View:
     @cached_property
     @raised_recursion_limit()
     def program(self) -> Program:
-        """The program with the meanings of its names, as far as they could be found."""
-        if self.checked.program is not None:
+        """The program with the meanings of its names, as far as they could be found; it does not need the checks."""
+        if "checked" in vars(self) and self.checked.program is not None:
             return self.checked.program
         trees = with_described_ports(load(self.main, self._noted, Report(), self._parse))
         return resolve(trees, {}, Report())

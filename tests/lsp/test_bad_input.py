@@ -174,7 +174,7 @@ async def test_trees_of_closed_files_are_forgotten(tmp_path: Path) -> None:
     for number in range(50):
         path = tmp_path / f"{number}.csp"
         document = session.documents.open(path.as_uri(), "const a = 1\n", 1)
-        assert session.view(document).diagnostics == []
+        assert session.diagnostics(document) == []
         session.close(path.as_uri())
     assert session.remembered == 0
 

@@ -17,16 +17,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Serve until the editor ends the connection."""
-    import gc
-
     try:
         from cspdiag.lsp.requests import serve
     except ImportError as problem:
         if problem.name is None or problem.name.split(".")[0] not in {"pygls", "lsprotocol"}:
             raise
         raise UsageError(str(missing_package("pygls", "lsp"))) from None
-    # What was loaded is never garbage; what the checks leave is.
-    gc.freeze()
-    gc.enable()
     serve()
     return FINE
