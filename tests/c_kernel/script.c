@@ -351,7 +351,7 @@ void script_run(script *scripts, const char *const *channel_names, const script_
     names = channel_names;
     all = scripts;
     for (uint32_t index = 0U; index < port_count; index++) {
-        const csp_port port = {ports[index].kind, way_to(ports[index].medium), ports[index].safe, NULL};
+        const csp_port port = {ports[index].kind, way_to(ports[index].medium), ports[index].safe, NULL, 0U};
         table[index] = port;
     }
     csp_build(csp, &program, csp_port_hooks());

@@ -160,28 +160,45 @@ static int64_t ticks_passed(const csp_kernel *csp, int64_t tick, int64_t period,
     return (csp->program->environment == NULL) ? periods_in(present - tick, period) : 1;
 }
 
-/* If several ticks have passed, only the last one reads the device: a late sample does not belong to the earlier instants. Returns the next tick of
- * an input; INT64_MAX: none. */
+static inline uint32_t alike(const csp_port *port)
+{
+    return (CSP_USES_ALIKE_PORTS != 0) ? port->alike : 0U;
+}
+
+/* If several ticks have passed, only the last one reads the device: a late sample does not belong to the earlier instants. Returns the next tick of these
+ * inputs, which are alike. */
+static int64_t sample_inputs(csp_kernel *csp, const csp_port *first, int64_t instant, int64_t present)
+{
+    const int64_t period = ((const csp_sampled_input *)(const void *)csp_medium_of(csp, first))->period;
+    int64_t next = tick_after(instant, period);
+    int64_t passed = 0;
+    if (next <= present) {
+        passed = ticks_passed(csp, instant, period, present);
+        next = instant + (passed * period);
+    }
+    for (uint32_t index = 0U; index <= alike(first); index++) {
+        csp_sampled_input *const input = (csp_sampled_input *)(void *)csp_medium_of(csp, &first[index]);
+        input->next = next;
+        if (passed == 0) {
+            csp_sampled_tick(csp, input);
+        } else {
+            csp_sampled_skip(input, passed);
+        }
+    }
+    return next;
+}
+
+/* Returns the next tick of an input; INT64_MAX: none. */
 static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
 {
     const csp_port *const ports = csp->program->ports;
     const uint32_t end = (CSP_USES_INPUTS != 0) ? csp->inputs.to : 0U;
     int64_t next = INT64_MAX;
-    for (uint32_t index = csp->inputs.from; index < end; index++) {
+    for (uint32_t index = csp->inputs.from; index < end; index += 1U + alike(&ports[index])) {
         const csp_port *const port = &ports[index];
         if ((CSP_USES_SAMPLED_INPUTS != 0) && (port->kind == CSP_PORT_SAMPLED)) {
-            csp_sampled_input *const input = (csp_sampled_input *)(void *)csp_medium_of(csp, port);
-            if (input->next == instant) {
-                input->next = tick_after(instant, input->period);
-                if (input->next > present) {
-                    csp_sampled_tick(csp, input);
-                } else {
-                    const int64_t passed = ticks_passed(csp, instant, input->period, present);
-                    input->next = instant + (passed * input->period);
-                    csp_sampled_skip(input, passed);
-                }
-            }
-            next = earlier(next, input->next);
+            const int64_t tick = ((const csp_sampled_input *)(const void *)csp_medium_of(csp, port))->next;
+            next = earlier(next, (tick == instant) ? sample_inputs(csp, port, instant, present) : tick);
         } else if ((CSP_USES_EVENT_INPUTS != 0) && (port->kind == CSP_PORT_EVENT) && (csp->next_grid == instant) &&
                    (tick_after(instant, csp->grid) > present)) {
             csp_event_poll(csp, (csp_event_input *)(void *)csp_medium_of(csp, port));
@@ -192,23 +209,32 @@ static int64_t inputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
     return next;
 }
 
+/* Hands over these outputs, which are alike. Returns their next tick. */
+static int64_t hand_over(csp_kernel *csp, const csp_port *first, int64_t instant, int64_t present)
+{
+    const int64_t period = ((const csp_latched_output *)(const void *)csp_medium_of(csp, first))->period;
+    int64_t next = tick_after(instant, period);
+    if (next <= present) {
+        next = instant + (ticks_passed(csp, instant, period, present) * period);
+    }
+    for (uint32_t index = 0U; index <= alike(first); index++) {
+        csp_latched_output *const output = (csp_latched_output *)(void *)csp_medium_of(csp, &first[index]);
+        output->next = next;
+        csp_latched_tick(csp, output);
+    }
+    return next;
+}
+
 int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
 {
     const csp_port *const ports = csp->program->ports;
     const uint32_t end = (CSP_USES_LATCHED_OUTPUTS != 0) ? csp->outputs.to : 0U;
     int64_t next = INT64_MAX;
-    for (uint32_t index = csp->outputs.from; index < end; index++) {
+    for (uint32_t index = csp->outputs.from; index < end; index += 1U + alike(&ports[index])) {
         const csp_port *const port = &ports[index];
         if ((CSP_USES_LATCHED_OUTPUTS != 0) && (port->kind == CSP_PORT_LATCHED)) {
-            csp_latched_output *const output = (csp_latched_output *)(void *)csp_medium_of(csp, port);
-            if (output->next == instant) {
-                output->next = tick_after(instant, output->period);
-                if (output->next <= present) {
-                    output->next = instant + (ticks_passed(csp, instant, output->period, present) * output->period);
-                }
-                csp_latched_tick(csp, output);
-            }
-            next = earlier(next, output->next);
+            const int64_t tick = ((const csp_latched_output *)(const void *)csp_medium_of(csp, port))->next;
+            next = earlier(next, (tick == instant) ? hand_over(csp, port, instant, present) : tick);
         }
     }
     return next;

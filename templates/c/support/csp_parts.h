@@ -33,6 +33,9 @@
 #ifndef CSP_USES_LATCHED_OUTPUTS
 #define CSP_USES_LATCHED_OUTPUTS 1
 #endif
+#ifndef CSP_USES_ALIKE_PORTS
+#define CSP_USES_ALIKE_PORTS 1 /* neighbours with the same ticks */
+#endif
 #define CSP_USES_INPUTS (CSP_USES_SAMPLED_INPUTS || CSP_USES_EVENT_INPUTS)
 
 /* ---- Composition ---- */

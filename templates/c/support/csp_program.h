@@ -38,6 +38,7 @@ typedef struct csp_port {
     ptrdiff_t medium;   /* the distance from the kernel to the csp_sampled_input, csp_event_input, csp_latched_output or csp_direct_output */
     const void *safe;   /* of outputs: the value that is written at the end, however the run ends */
     const char *name;   /* "Jiwy.control_horizontal", for reports */
+    uint32_t alike;     /* how many of the ports right after a sampled input or a latched output are of its kind and have its ticks */
 } csp_port;
 
 typedef struct csp_program {
@@ -180,6 +181,8 @@ void csp_describe_present(csp_kernel *csp, char *text, size_t size);
 /* Which process is running and where, for another thread: "Main (loops.csp:12)", the place of a loop in which it cannot wait, or else "Main (last
  * waited at loops.csp:12)"; "": none. */
 void csp_describe_at_work(csp_kernel *csp, char *text, size_t size);
+/* The same for a fault handler, also after the outputs have been released. */
+void csp_describe_current(csp_kernel *csp, char *text, size_t size);
 /* The ports with missed samples, and how many: "level 3, speed 1"; "none". */
 void csp_describe_missed(csp_kernel *csp, char *text, size_t size);
 void csp_describe_error(csp_kernel *csp, char *text, size_t size);

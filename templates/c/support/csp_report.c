@@ -346,6 +346,14 @@ static void append_whereabouts(csp_kernel *csp, const csp_place *place, char *te
 
 void csp_describe_at_work(csp_kernel *csp, char *text, size_t size)
 {
+    text[0] = '\0';
+    if (csp_is_driving(csp)) {
+        csp_describe_current(csp, text, size);
+    }
+}
+
+void csp_describe_current(csp_kernel *csp, char *text, size_t size)
+{
     const csp_process *const process = present_process(csp);
     text[0] = '\0';
     if (process == NULL) {

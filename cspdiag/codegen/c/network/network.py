@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import takewhile
 from typing import assert_never
 
 from cspdiag.base.record import record
@@ -218,15 +219,21 @@ class _NetworkFiles:
         return zero(port.type) if port.safe is None else port.safe
 
     def _table(self, members: Names) -> list[str]:
-        entries = tuple((None, self._port(port, members[port.key])) for port in self.network.external_ports)
-        return lines([store("static const csp_port port_table[]", Aggregate(entries)), Blank()]) if entries else []
+        ports = self.network.external_ports
+        entries: list[tuple[None, Code]] = [
+            (None, self._port(port, members[port.key], _alike(ports[index:]))) for index, port in enumerate(ports)
+        ]
+        table = Aggregate(tuple(entries))
+        return lines([store("static const csp_port port_table[]", table), Blank()]) if entries else []
 
-    def _port(self, port: ExternalPort, name: str) -> Aggregate:
+    def _port(self, port: ExternalPort, name: str, alike: int) -> Aggregate:
         parts: list[tuple[str, Code]] = [(".kind", code(_KINDS[port.medium]))]
         parts.append((".medium", call("offsetof", "struct network", f"external.{name}.medium")))
         if port.direction == "out":
             parts.append((".safe", code(f"&safe_{name}")))
         parts.append((".name", code(quoted(f"{self.network.top}.{port.key}"))))
+        if alike:
+            parts.append((".alike", unsigned(alike)))
         return Aggregate(tuple(parts))
 
     def _initialization(self, members: Names) -> list[Statement]:
@@ -341,6 +348,15 @@ class _NetworkFiles:
             "#endif",
             "};",
         ]
+
+
+def _alike(ports: Sequence[ExternalPort]) -> int:
+    """How many ports right after the first one are sampled or handed over at its ticks."""
+    first = ports[0]
+    if first.medium not in ("sampled", "latched"):
+        return 0
+    same = (port.medium == first.medium and port.sampling == first.sampling for port in ports[1:])
+    return sum(1 for _ in takewhile(bool, same))
 
 
 def _external(name: str) -> Code:

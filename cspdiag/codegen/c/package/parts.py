@@ -16,6 +16,7 @@ _BEGUN_BY: Mapping[str, tuple[str, ...]] = {
     "SAMPLED_INPUTS": ("csp_sampled_input_init(",),
     "EVENT_INPUTS": ("csp_event_input_init(",),
     "LATCHED_OUTPUTS": ("csp_latched_output_init(",),
+    "ALIKE_PORTS": (".alike =",),
     "ALTERNATIVES": ("csp_alternative_init(",),
     "TIME_OUTS": ("csp_guard_after(",),
     "DELAYS": ("csp_wait(",),
@@ -23,7 +24,7 @@ _BEGUN_BY: Mapping[str, tuple[str, ...]] = {
     "PARALLELS": ("csp_par(",),
     "INTERRUPTS": ("csp_interrupt_init(",),
 }
-"""For each part, the functions without which nothing of it exists at run time."""
+"""For each part, the text of a program without which nothing of it exists at run time."""
 
 
 def parts_header(text: str, sources: Iterable[str]) -> str:

@@ -311,7 +311,7 @@ void commstime_describe(commstime_instance *self, char *text, size_t size)
         csp_append(text, size, "running");
         if (csp->current != NULL) {
             csp_append(text, size, ": ");
-            csp_describe_at_work(csp, &text[strlen(text)], size - strlen(text));
+            csp_describe_current(csp, &text[strlen(text)], size - strlen(text));
         }
         break;
     }

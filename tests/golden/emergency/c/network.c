@@ -21,7 +21,8 @@ static const csp_port port_table[] = {
         .kind = CSP_PORT_LATCHED,
         .medium = offsetof(struct network, external.control.medium),
         .safe = &safe_control,
-        .name = "Spindle.control"
+        .name = "Spindle.control",
+        .alike = 1U
     },
     {
         .kind = CSP_PORT_LATCHED,
