@@ -93,6 +93,10 @@ BENCHMARKS = (
         },
         "C, plant FMU: native 2 times",
     ),
+    Benchmark(
+        "sweep-1000", "1,000 runs of JIWY of 12.8 s in two native processes", "s", {"C": "sweeping"}, "at most 3 s",
+    ),
+    Benchmark("sweep-compile", "compiling the program that makes them", "s", {"C": "sweeping"}),
     Benchmark("device-udp", "a round trip through a program in Python by UDP", "us", {"-O1": "devices"}),
     Benchmark("device-serial", "the same by a pseudo-terminal", "us", {"-O1": "devices"}),
     Benchmark("device-can", "the same by a CAN bus that is made of multicast", "us", {"-O1": "devices"}),
