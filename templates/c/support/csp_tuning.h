@@ -13,8 +13,6 @@ typedef struct csp_change {
     uint32_t unused;
 } csp_change;
 
-enum { CSP_LARGEST_CHANGE = 4000 };
-
 /* Opens the file or pipe; false: it cannot be opened. */
 bool csp_tuning_open(const char *path);
 

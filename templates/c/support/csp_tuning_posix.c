@@ -1,9 +1,11 @@
 /* See csp_tuning.h. */
-#define _POSIX_C_SOURCE 200809L /* read */
+#define _POSIX_C_SOURCE 200809L /* poll */
 
 #include "csp_tuning.h"
 
+#include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -37,31 +39,53 @@ static void plan(planned *added)
     *place = added;
 }
 
+static void end_source(void)
+{
+    (void)close(source);
+    source = -1;
+}
+
+/* Reads what is left of a record whose beginning was there: it is on its way, unless its writer has ended. */
+static bool read_rest(void *into, size_t size)
+{
+    unsigned char *place = into;
+    size_t left = size;
+    while (left > 0U) {
+        const ssize_t count = read(source, place, left);
+        if (count > 0) {
+            place += count;
+            left -= (size_t)count;
+        } else if ((count < 0) && ((errno == EAGAIN) || (errno == EINTR))) {
+            struct pollfd waiting = {source, POLLIN, 0};
+            (void)poll(&waiting, 1, -1);
+        } else {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool read_change(void)
 {
     csp_change change;
-    const ssize_t size = read(source, &change, sizeof change);
-    if (size == 0) { /* Nothing more will come. */
-        (void)close(source);
-        source = -1;
+    const ssize_t begun = read(source, &change, sizeof change);
+    if (begun < 0) {
+        return false; /* nothing has come */
     }
-    if ((size != (ssize_t)sizeof change) || (change.size > (uint32_t)CSP_LARGEST_CHANGE)) {
-        return false;
+    planned *added = NULL;
+    if ((begun > 0) && read_rest((unsigned char *)&change + begun, sizeof change - (size_t)begun)) {
+        added = malloc(sizeof *added + change.size);
     }
-    planned *const added = malloc(sizeof *added + change.size);
-    if (added == NULL) {
+    if ((added == NULL) || !read_rest(added->value, change.size)) {
+        free(added);
+        end_source();
         return false;
     }
     added->change = change;
-    if (read(source, added->value, change.size) != (ssize_t)change.size) {
-        free(added);
-        return false;
-    }
     plan(added);
     return true;
 }
 
-/* Records are written whole, so what can be read begins with a whole one. */
 static int64_t next(void)
 {
     while ((source >= 0) && read_change()) {
@@ -71,16 +95,21 @@ static int64_t next(void)
 
 static bool is_made(csp_kernel *csp)
 {
-    static unsigned char parameters[CSP_LARGEST_CHANGE];
     const csp_program *const program = csp->program;
     const csp_change *const change = &first->change;
     const size_t size = program->parameters_size;
-    if ((size > sizeof parameters) || (change->offset > size) || (change->size > (size - change->offset))) {
+    if ((change->offset > size) || (change->size > (size - change->offset))) {
+        return false;
+    }
+    unsigned char *const parameters = malloc(size);
+    if (parameters == NULL) {
         return false;
     }
     (void)memcpy(parameters, (const char *)csp + program->parameters, size);
     (void)memcpy(&parameters[change->offset], first->value, change->size);
-    return program->set_parameters(csp, parameters);
+    const bool made = program->set_parameters(csp, parameters);
+    free(parameters);
+    return made;
 }
 
 static void make(csp_kernel *csp, int64_t instant)

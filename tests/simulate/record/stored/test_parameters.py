@@ -91,6 +91,23 @@ def test_every_format_has_the_changes(program: Path, name: str, capsys: pytest.C
     assert repeated(program, again) == first
 
 
+@pytest.mark.parametrize("options", TARGETS[1::2], ids=" ".join)
+def test_parameters_may_be_large(tmp_path: Path, options: list[str]) -> None:
+    program = tmp_path / "main.csp"
+    program.write_text(
+        f"parameter table : double[900] = [{', '.join(['1'] * 900)}]\n"
+        "process Main { out y : double  composition { mu (y ! table[0] + table[899] ; wait 10 ms) } }\n"
+        "environment World for Main { y -> _ }\n"
+    )
+    (tmp_path / "changes.txt").write_text(
+        f"at 20 ms table[899] = 5\nat 30 ms table = [{', '.join(map(str, range(900)))}]\n"
+    )
+    recording = f"{tmp_path}/run.mcap"
+    first = tuned(program, recording, *options)
+    assert [json.loads(row)["value"] for row in first] == [2, 2, 6, 899, 899, 899, 899, 899]
+    assert repeated(program, recording, *options) == first
+
+
 def test_a_file_of_changes_replaces_those_of_the_recording(program: Path) -> None:
     recording = f"{program.parent}/run.mcap"
     first = tuned(program, recording)
