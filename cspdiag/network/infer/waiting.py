@@ -39,7 +39,7 @@ from cspdiag.network.ir.actions import (
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import BinaryOperation, Expression, FunctionCall, ParameterValue, Value
 from cspdiag.network.ir.ranges import ExpressionInput, Range, needs_check, of_instances, value_range
-from cspdiag.network.ir.walk import all_actions, mentions_variable
+from cspdiag.network.ir.walk import all_actions, may_change
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Key, attached_key
 from cspdiag.syntax import ast
@@ -117,7 +117,7 @@ def is_one_instant(duration: Expression) -> bool:
     """Whether a delay lasts until an instant that is always the same: it lets time pass once, and never again."""
     match duration:
         case FunctionCall(function="until", arguments=(instant, _)):
-            return not mentions_variable(instant)
+            return not may_change(instant)
         case _:  # Any other duration is counted from where it begins.
             return False
 

@@ -30,7 +30,7 @@ from cspdiag.network.ir.expressions import (
     VariableValue,
 )
 from cspdiag.network.ir.ranges import needs_check, value_range
-from cspdiag.network.ir.walk import mentions_variable
+from cspdiag.network.ir.walk import may_change
 
 
 def may_fault(expression: Expression) -> bool:
@@ -47,7 +47,7 @@ def is_known_at_start(expression: Expression) -> bool:
     """Whether an expression can be evaluated before the process runs: its value does not change, and it
     cannot fault.
     """
-    return not mentions_variable(expression) and not may_fault(expression)
+    return not may_change(expression) and not may_fault(expression)
 
 
 def variables_in(expression: Expression) -> frozenset[str]:

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, assert_never, overload
 
 from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record
 from cspdiag.network.ir import actions as ir
-from cspdiag.network.ir.expressions import Expression, PresentTime, VariableValue
+from cspdiag.network.ir.expressions import Expression, PresentTime, TunableValue, VariableValue
 
 T = TypeVar("T")
 
@@ -120,9 +120,11 @@ def instances_run(action: ir.Action) -> list[str]:
     return [part.instance for part in parts(action) if isinstance(part, ir.RunInstance)]
 
 
-def mentions_variable(expression: Expression) -> bool:
-    """Whether an expression depends on a variable of the process, or on the present instant."""
-    return any(isinstance(part, VariableValue | PresentTime) for part in parts(expression))
+def may_change(expression: Expression) -> bool:
+    """Whether an expression depends on a variable of the process, on a parameter of the program, or on the present
+    instant.
+    """
+    return any(isinstance(part, VariableValue | TunableValue | PresentTime) for part in parts(expression))
 
 
 def channels_written(item: object) -> Iterator[str]:
