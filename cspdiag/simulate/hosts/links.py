@@ -101,6 +101,8 @@ class Links:
         self.by_place = {other: Link(other) for other in others}
         self.inbox: deque[tuple[str, Any]] = deque()
         self.news: Callable[[], None] = lambda: None
+        self.begun = False
+        """Whether all places are there: no other process may have one from now on."""
         self.problem: PlaceError | None = None
         """Why the places cannot run together."""
         self._instance = uuid4().hex
@@ -189,7 +191,10 @@ class Links:
                 self.news()
 
     def _keep_up_with(self, link: Link, now: float) -> None:
-        if link.instance and not link.over and not link.lost and now - link.heard > PATIENCE:
+        silent = link.instance and not link.over and now - link.heard > PATIENCE
+        if silent and not self.begun:
+            link.instance = link.knows = ""  # Another process may have the place.
+        elif silent and not link.lost:
             link.lost = True
             link.losses += 1
             self._changed.notify_all()
@@ -220,21 +225,17 @@ class Links:
     def _is_partner(self, link: Link, frame: Frame) -> bool:
         """Whether a frame comes from the process that has the place, and is for this one."""
         if frame.program != self._program:
+            self._transmit(link)  # So that the other place sees the difference, too, before this one leaves.
             self._fail(_difference(frame.place, dict(self._program), dict(frame.program)))
             return False
         if frame.known not in ("", self._instance):
-            if not link.instance:
-                self._fail(f"another process has the place `{self.place}`, or had it in a run that has not ended")
+            if link.knows != self._instance:
+                self._fail(f"another process has the place `{self.place}`, or had it a second ago")
             return False
         if link.instance and frame.instance != link.instance:
-            begun = link.knows == self._instance
-            silent = time.monotonic() - link.heard > PATIENCE
-            if begun or not silent:
-                self._transmit(link)  # Which tells it that another process has its place.
-                return False
-            link.instance = ""
-        if not link.instance:
-            link.instance = frame.instance
+            self._transmit(link)  # Which reports to it that another process has its place.
+            return False
+        link.instance = frame.instance
         return True
 
     def _take(self, link: Link, frame: Frame, now: int) -> None:

@@ -77,6 +77,7 @@ class Part:
             if time.monotonic() > until:
                 how = f"--place {missing[0]}@{self._seat.address}"
                 raise PlaceError(f"no process has {_listed(missing)} after {GATHERING:g} s: start one with {how}")
+        links.begun = True
         return DividedNetwork(running, self.division, links)
 
     def close(self) -> None:

@@ -87,7 +87,7 @@ class LoadedPackage:
     def close(self) -> None:
         """Remove the package from the interpreter."""
         sys.meta_path.remove(self._finder)
-        for module_name in [m for m in sys.modules if m == self.name or m.startswith(f"{self.name}.")]:
+        for module_name in [m for m in list(sys.modules) if m == self.name or m.startswith(f"{self.name}.")]:
             del sys.modules[module_name]
-        for origin in [o for o in linecache.cache if o.startswith(f"<{self.name}>/")]:
+        for origin in [o for o in list(linecache.cache) if o.startswith(f"<{self.name}>/")]:
             del linecache.cache[origin]

@@ -26,6 +26,8 @@ class Air:
         self.loss = loss
         self.delay = delay
         self.is_cut = False
+        self.count = 0
+        """The number of frames that were sent."""
         self._random = random.Random(1)
         self._receivers: dict[str, list[Callable[[bytes], None]]] = {}
 
@@ -45,6 +47,7 @@ class Air:
 
     def send(self, place: str, data: bytes) -> None:
         """Bring the bytes to all who hear the place, perhaps."""
+        self.count += 1
         if self.is_cut or self._random.random() < self.loss:
             return
         delay = self._random.random() * self.delay

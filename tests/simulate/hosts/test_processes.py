@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import re
+import signal
 from pathlib import Path
 
+import pytest
+
 from cspdiag.cli.main import main
-from tests.simulate.hosts.conftest import Start, ended, free_port
+from tests.simulate.hosts.conftest import Start, ended, free_port, pair
+from tests.simulate.hosts.places import eventually
+from tests.simulate.hosts.proxy import Proxy
 
 MODELS = Path(__file__).parents[3] / "models"
 
@@ -21,3 +27,82 @@ def test_jiwy_has_a_place_for_each_joint(start: Start, tmp_path: Path) -> None:
     assert main(["run", str(jiwy), "-O0", "--quiet", "--for", "300ms", "--trace", str(whole)]) == 0
     parts = [line for trace in traces.values() for line in trace.read_text().splitlines()]
     assert sorted(parts) == sorted(whole.read_text().splitlines())
+
+
+def _began(file: Path) -> bool:
+    """Whether a recording has values already."""
+    part = file.with_name(file.stem + ".part" + file.suffix)
+    return part.exists() and part.stat().st_size > 500
+
+
+def test_a_killed_place_raises_a_time_out_in_the_other_and_outputs_are_released(start: Start, tmp_path: Path) -> None:
+    file, port, record = tmp_path / "pair.csp", free_port(), tmp_path / "right.csv"
+    file.write_text(pair(100_000))
+    left = start(file, "left", port, "--real-time")
+    right = start(file, "right", port, "--real-time", "--record", record)
+    assert eventually(lambda: _began(record), 60)
+    left.kill()
+    code, output = ended(right)
+    assert code == 1
+    assert re.search(r"LinkTimeout: the place `left` has been silent for 1 s, in Pair\.sink", output)
+    assert record.read_text().splitlines()[-1].endswith(",7")
+
+
+def test_a_link_that_was_cut_comes_back(start: Start, tmp_path: Path) -> None:
+    file, port, record = tmp_path / "pair.csp", free_port(), tmp_path / "right.csv"
+    caught = "catch Timeout -> (timeouts := timeouts + 1 ; value ! -timeouts)"
+    file.write_text(pair(150, caught))
+    proxy = Proxy(port, 0.002)
+    try:
+        left = start(file, "left", port, "--real-time")
+        right = start(file, "right", proxy.port, "--real-time", "--record", record)
+        assert eventually(lambda: _began(record), 60)
+        proxy.cut()
+        assert not eventually(lambda: left.poll() is not None or right.poll() is not None, 1.5)
+        proxy.reopen()
+        results = [ended(left), ended(right)]
+    finally:
+        proxy.close()
+    assert [code for code, _ in results] == [0, 0], results
+    for _, output in results:
+        assert re.search(r"round trip to (left|right): mean [0-9.]+ ms,.* lost 1 time", output), output
+    assert ",-1" in record.read_text()
+
+
+def test_ctrl_c_ends_all_places_with_their_outputs_released(start: Start, tmp_path: Path) -> None:
+    file, port, record = tmp_path / "pair.csp", free_port(), tmp_path / "right.csv"
+    file.write_text(pair(100_000))
+    left = start(file, "left", port, "--real-time")
+    right = start(file, "right", port, "--real-time", "--record", record)
+    assert eventually(lambda: _began(record), 60)
+    left.send_signal(signal.SIGINT)
+    assert ended(left)[0] == 130
+    code, output = ended(right)
+    assert code == 1
+    assert "the place `left` has ended: it was stopped" in output
+    assert record.read_text().splitlines()[-1].endswith(",7")
+
+
+def test_an_address_that_is_not_free(start: Start, tmp_path: Path) -> None:
+    file, port = tmp_path / "pair.csp", free_port()
+    file.write_text(pair(5))
+    proxy = Proxy(port, 0)
+    try:
+        code, output = ended(start(file, "left", proxy.port))
+    finally:
+        proxy.close()
+    assert code == 1
+    assert f"but 127.0.0.1:{proxy.port} is not free or not of this machine" in output
+
+
+def test_options_that_places_do_not_have(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "pair.csp"
+    file.write_text(pair(5))
+    for options, message in (
+        (["--place", "left"], "--place left: write NAME@HOST:PORT, such as pan@192.168.1.7:7447"),
+        (["--place", "left@h:99999"], "--place left@h:99999: write NAME@HOST:PORT"),
+        (["--place", "up@h:1"], "the environment `Bench` has no place `up`; it has `left`, `right`"),
+        (["--place", "left@h:1", "--target", "c"], "--target is not for --place: places run in Python"),
+    ):
+        assert main(["run", str(file), *options]) == 2
+        assert message in capsys.readouterr().err
