@@ -73,12 +73,12 @@ def test_changes_of_a_file_and_of_standard_input(package: Path) -> None:
 
 def test_in_real_time_lines_take_effect_as_they_come(package: Path) -> None:
     printed, said, code = run(
-        package, "oops\nnames = 6\nat 200 ms names = 1", "--for", "400ms", "--real-time", "--tune"
+        package, "oops\nnames = 6\nat 400 ms names = 1", "--for", "800ms", "--real-time", "--tune"
     )
     assert code == 0
     assert said == ["main: --tune, line 1: a change is NAME = VALUE, or at TIME NAME = VALUE, not 'oops'"]
     numbers = [line for line in printed if line.startswith("n=")]
-    assert set(numbers[1:]) == {"n=2", "n=12"}
+    assert {"n=2", "n=12"} <= set(numbers) <= {"n=4", "n=2", "n=12"}  # n=4 until the first line is read.
     assert numbers[-1] == "n=12"
 
 
