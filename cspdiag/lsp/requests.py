@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 from lsprotocol import types
@@ -240,5 +241,7 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
 def serve() -> None:
     """Serve an editor on standard input and output until it ends the connection."""
     sys.setrecursionlimit(max(sys.getrecursionlimit(), 10_000))
+    # The thread that reads the input would wait for it, and nothing has to be finished.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     Garbage.prepare()
     server.start_io()

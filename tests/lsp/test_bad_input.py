@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -159,6 +160,13 @@ async def test_the_server_ends_with_its_input(tmp_path: Path) -> None:
     assert server.end() == 0
 
 
+async def test_ctrl_c_ends_the_server(tmp_path: Path) -> None:
+    server = _Server(tmp_path)
+    server.open("main.csp", SLIP)
+    server.published()
+    assert server.interrupt() == -signal.SIGINT
+
+
 async def test_a_message_that_is_damaged_does_not_end_the_server(tmp_path: Path) -> None:
     server = _Server(tmp_path)
     try:
@@ -233,6 +241,12 @@ class _Server:
         self._process.stdout.read()
         self._process.stdout.close()
         return self._process.wait(10)
+
+    def interrupt(self) -> int:
+        self._process.send_signal(signal.SIGINT)
+        code = self._process.wait(10)
+        self.kill()
+        return code
 
     def kill(self) -> None:
         self._process.kill()

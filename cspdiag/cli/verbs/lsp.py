@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from argparse import ArgumentParser, Namespace
 
 from cspdiag.base.errors import missing_package
 from cspdiag.cli.support.failure import FINE, UsageError
+from cspdiag.cli.support.terminal import say
 
 EXAMPLE = "cspdiag lsp        # started by an editor, which talks to it on standard input and output"
 
@@ -23,5 +25,7 @@ def run(arguments: Namespace) -> int:
         if problem.name is None or problem.name.split(".")[0] not in {"pygls", "lsprotocol"}:
             raise
         raise UsageError(str(missing_package("pygls", "lsp"))) from None
+    if sys.stdin.isatty():
+        say("this waits for messages of an editor; docs/editors.md has the settings of editors, Ctrl-C ends it")
     serve()
     return FINE
