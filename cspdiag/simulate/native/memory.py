@@ -16,6 +16,7 @@ from cspdiag.simulate.native.build import Build, CompilerError
 
 _PROBE = "sizes_probe.c"
 _INDIRECT = "__indirect_call"
+_SHOWN_FRAMES = 5
 _PATIENCE = 20
 """Seconds of processor time after which a compiler is stopped: the package is written without the report, and a message
 says so.
@@ -50,6 +51,8 @@ class MemoryReport:
     data: int
     stack: int
     exact: bool
+    frames: tuple[tuple[str, int], ...]
+    """The functions with the largest frames, largest first: names, as in the sources, and bytes."""
 
     @property
     def text(self) -> str:
@@ -68,6 +71,7 @@ class MemoryReport:
         rows.append(f"  {'ports and kernel':<{name_width + 19}} {_bytes(max(self.data - parts, 0)):>9}")
         bound = "stack, at most" if self.exact else "stack, about"
         rows.append(f"  {bound:<{name_width + 19}} {_bytes(self.stack):>9}")
+        rows += [f"    {f'frame of {name}':<{name_width + 17}} {_bytes(size):>9}" for name, size in self.frames]
         rows.append(f"  {'total':<{name_width + 19}} {_bytes(self.data + self.stack):>9}")
         return "\n".join(rows)
 
@@ -90,7 +94,7 @@ def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) ->
     exact = all(function.calls is not None for function in functions.values())
     stack = deepest(functions) if exact else _estimated(functions)
     data = sizes.whole + sum(size for file in facts.values() for size in file.variables.values())
-    return MemoryReport(build.compiler.version, sizes, data, stack, exact)
+    return MemoryReport(build.compiler.version, sizes, data, stack, exact, _largest_frames(functions))
 
 
 def _is_of_simulation(path: str) -> bool:
@@ -187,6 +191,11 @@ def deepest(functions: Mapping[str, FunctionFacts]) -> int:
         return known[key]
 
     return max((depth(name, True) for name in pointed), default=0)
+
+
+def _largest_frames(functions: Mapping[str, FunctionFacts]) -> tuple[tuple[str, int], ...]:
+    frames = sorted(((-function.stack, name) for name, function in functions.items()))
+    return tuple((name, -size) for size, name in frames[:_SHOWN_FRAMES])
 
 
 def _estimated(functions: Mapping[str, FunctionFacts]) -> int:

@@ -1,4 +1,4 @@
-# The deepest stack of each function of the interface, from the call graphs that gcc writes (-fcallgraph-info=su):
+# The deepest stack of each function of the interface, and the frame of each function, from the call graphs that gcc writes (-fcallgraph-info=su):
 #
 #     awk -v package=jiwy -f csp_stack.awk *.ci
 #
@@ -94,6 +94,11 @@ END {
         print sprintf("%6d bytes  %s", frame[part[1]], plain(part[1]))
         worst = deepest_callee[worst]
     }
+    print "the frame of each function:"
+    for (name in frame) {
+        print sprintf("%6d bytes  %s", frame[name], plain(name)) | "sort -k1,1nr -k3"
+    }
+    close("sort -k1,1nr -k3")
     print (recursive ? "there is recursion" : "no function calls itself, directly or through others")
     exit recursive
 }

@@ -147,6 +147,8 @@ def test_the_memory_is_what_the_compiler_says(compiler: str, monkeypatch: pytest
     assert report.data > 10 * cells.bytes
     assert 100 < report.stack < 10_000
     assert report.text.splitlines()[-1].startswith("  total")
+    assert [size for _, size in report.frames] == sorted((size for _, size in report.frames), reverse=True)
+    assert f"frame of {report.frames[0][0]}" in report.text
 
 
 def test_the_deepest_calls_make_the_stack() -> None:
@@ -170,6 +172,11 @@ def test_make_shows_the_stack(tmp_path: Path) -> None:
     table = done.stdout.partition("the deepest")[0].splitlines()
     depths = {row.split()[2]: int(row.split()[0]) for row in table}
     assert depths["cascade_next"] < depths["cascade_release"] < depths["cascade_advance"] < 2_000
+    frames = done.stdout.partition("the frame of each function:\n")[2].splitlines()[:-1]
+    sizes = [int(row.split()[0]) for row in frames]
+    assert sizes == sorted(sizes, reverse=True)
+    (own,) = [size for size, row in zip(sizes, frames, strict=True) if row.endswith(" cascade_advance")]
+    assert own < depths["cascade_advance"]
     assert rows[-1] == "no function calls itself, directly or through others"
 
 
