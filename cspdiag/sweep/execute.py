@@ -45,6 +45,11 @@ class Jobs:
         """Why runs are made in Python; empty if they are not."""
 
     @property
+    def compiled(self) -> bool:
+        """Whether runs are made by native programs."""
+        return bool(self.seconds) and self._target != "python" and not self.reason
+
+    @property
     def made(self) -> str:
         """How runs are made, in a few words."""
         if self._target == "python":

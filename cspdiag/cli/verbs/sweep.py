@@ -208,7 +208,7 @@ def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None
         sweep.plot(arguments.plot)
     if not arguments.quiet:
         seconds = time.monotonic() - began - jobs.seconds
-        built = f" after {jobs.seconds:.3g} s of compiling" if jobs.seconds > 0 else ""
+        built = f" after {jobs.seconds:.3g} s of compiling" if jobs.compiled else ""
         say(f"{len(missing)} runs in {seconds:.3g} s{built}, {sweep.made}: {sweep.summary()}")
     return sweep
 
