@@ -190,6 +190,20 @@ def test_communications_are_traced_where_the_sources_are_compiled_for_it(machine
     ]
 
 
+def test_parameters_belong_to_an_instance_and_to_its_copies(tmp_path: Path) -> None:
+    """The sum of 49 samples, because an output changes at the tick after; then the same ten ticks with a gain of 7."""
+    need_sanitizers("gcc", "address,undefined")
+    checked = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    main = HERE / "devices" / "scaling.c"
+    image = by_the_interface(tmp_path, "tests/c_kernel/devices/scaling.csp", main, "gcc", *checked)
+    assert run(image).splitlines() == [
+        "alone 147 245, interleaved 147 245",
+        "set 1, set again 1, gain 100, drive 1120",
+        "restored 1, gain 7, as before 1; the other has 0.5",
+        "in the other 1, gain 7, as before 1",
+    ]
+
+
 @pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
 def test_no_event_of_another_thread_is_lost_unreported(sanitizer: str, tmp_path: Path) -> None:
     need("gcc")
