@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
 from random import SystemRandom
+from zlib import crc32
 
 from cspdiag.base import SourceFile
 from cspdiag.model.types import Real
@@ -42,6 +44,7 @@ def hunt(
     """The smallest program found that differs, with the difference; None if none of ``count`` programs differs."""
 
     def look(text: str) -> None:
+        text = with_parameters(text)
         details = difference_of(target, text, real)
         if details:
             raise DifferenceFoundError(f"{text}\n{details}")
@@ -53,6 +56,18 @@ def hunt(
     except DifferenceFoundError as found:
         return str(found)
     return None
+
+
+def with_parameters(text: str) -> str:
+    """The program, in a third of them with its named constants as parameters, which then change while it runs."""
+    if crc32(text.encode()) % 3:
+        return text
+    return re.sub(
+        r"^const (gain|pause) *= (.*)$",
+        lambda found: f"parameter {found[1]} : {'time' if found[1] == 'pause' else 'double'} = {found[2]}",
+        text,
+        flags=re.MULTILINE,
+    )
 
 
 def difference_of(target: Target, text: str, real: Real = "double") -> str:
