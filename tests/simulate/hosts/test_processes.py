@@ -106,3 +106,59 @@ def test_options_that_places_do_not_have(capsys: pytest.CaptureFixture[str], tmp
     ):
         assert main(["run", str(file), *options]) == 2
         assert message in capsys.readouterr().err
+
+
+DRIVERS = """
+driver Meter(name: text) python "meter.py:Meter" { out level : double }
+
+process Follow {
+  in  x    : double @ 10 ms
+  out sent : double
+  communication { var p : double = 0 }
+  composition { mu (x ? p ; sent ! p) until p > 3 }
+}
+
+process Take {
+  in  received : double
+  in  y : double @ 10 ms
+  out u : double @ 10 ms safe 0
+  communication { var p : double = 0  var q : double = 0 }
+  composition { mu (received ? p ; y ? q ; u ! p + q) until p > 3 }
+}
+
+process Both {
+  in  x, y : double @ 10 ms
+  out u : double @ 10 ms safe 0
+  communication { a : Follow  b : Take  x -> a.x  y -> b.y  a.sent -> b.received  b.u -> u }
+  composition { a || b }
+}
+
+environment Bench for Both on miss count place left : a place right : b {
+  m : Meter(name = "of the left")
+  n : Meter(name = "of the right")
+  m.level -> x
+  n.level -> y
+  u       -> _
+}
+"""
+METER = """
+class Meter:
+    def __init__(self, name):
+        self.name, self.level = name, 0.0
+    def open(self):
+        print("opened", self.name)
+    def read(self, port):
+        self.level += 0.5
+        return self.level
+"""
+
+
+def test_each_place_opens_the_drivers_of_its_own_processes(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "meter.py").write_text(METER)
+    file, port = tmp_path / "both.csp", free_port()
+    file.write_text(DRIVERS)
+    places = {place: start(file, place, port) for place in ("left", "right")}
+    results = {place: ended(process) for place, process in places.items()}
+    assert [code for code, _ in results.values()] == [0, 0], results
+    for place, (_, output) in results.items():
+        assert re.findall("opened of the (left|right)", output) == [place]
