@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import IO, TYPE_CHECKING, Any, cast
 
 from cspdiag import pipeline
+from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
@@ -100,7 +101,14 @@ class _Runs:
         return read_source(path) if text is None else SourceFile(name=path, text=text)
 
     def result(self, settings: Mapping[str, str]) -> Result:
-        """The result of a run."""
+        """The result of a run; that of one that cannot begin, because of a module of the program, has failed."""
+        try:
+            return self._result(settings)
+        except (CspdiagError, OSError) as problem:
+            reason = str(problem).partition("\n")[0]
+            return without_measures("failed", reason, len(self._runs.measures.measures))
+
+    def _result(self, settings: Mapping[str, str]) -> Result:
         from cspdiag.runtime.kernel.exceptions import described
         from cspdiag.simulate.run.execute import chosen_environment, simulate
         from cspdiag.sweep.plan import first_error

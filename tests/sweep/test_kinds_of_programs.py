@@ -165,3 +165,13 @@ def test_what_a_law_in_c_keeps_does_not_reach_the_next_run_nor_does_its_end(tmp_
     assert [row["last(opening)"] for row in sweep.rows] == [4.0, None, 4.0]
     assert [row["ended"] for row in sweep.rows] == ["time limit", "crashed", "time limit"]
     assert sweep.rows[1]["error"] == "the process was ended by SIGABRT"
+
+
+def test_a_module_in_python_that_fails_is_the_reason_in_each_row(tmp_path: Path) -> None:
+    (tmp_path / "main.csp").write_text(IN_C.replace('c "valve.c"', 'python "valve.py:Valve"'))
+    (tmp_path / "valve.py").write_text("import a_module_that_is_missing\n\n\nclass Valve:\n    pass\n")
+    program = cspdiag.load(tmp_path / "main.csp")
+    sweep = program.sweep({"water.content": "1,2"}, "last(opening)", until="50 ms", workers=1)
+    assert sweep.made.startswith("in Python: ")
+    assert [row["ended"] for row in sweep.rows] == ["failed", "failed"]
+    assert "a_module_that_is_missing" in str(sweep.rows[0]["error"])
