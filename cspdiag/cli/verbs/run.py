@@ -266,6 +266,7 @@ def _built(arguments: Namespace) -> Built:
 def _recorded(arguments: Namespace, built: Built, until: int | None) -> tuple[Run, Recording | None]:
     """The run, and its recording, which is not finished."""
     from cspdiag.cli.support.runs.tuned import tuning_of
+    from cspdiag.simulate.record.streamed.formats import part_of
     from cspdiag.simulate.run.execute import NoEnvironmentError
 
     program, network = built.checked.program, built.network
@@ -281,8 +282,8 @@ def _recorded(arguments: Namespace, built: Built, until: int | None) -> tuple[Ru
     try:
         return _simulate(arguments, network, until, Given(recording, inputs, tuning)), recording
     except BaseException:
-        if recording is not None:
-            recording.discard()
+        if recording is not None and recording.break_off():
+            say(f"cspdiag: {part_of(arguments.record)} has what was recorded until then")
         raise
 
 

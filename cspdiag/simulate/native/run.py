@@ -196,10 +196,12 @@ class NativeProgram:
         passed: PassedRows | RecordedRows | None = kept
         if kept is not None and recording is not None:
             passed = RecordedRows(self.network, recording, None if observed == "signals" else kept)
-        with _variables(inputs) as variables, given_changes(self.network, changes, live=live) as given:
-            outcome = _run(self, [*words, *given.words], variables, recorder, passed, on_start, given)
-        if isinstance(passed, RecordedRows):
-            passed.hand_over()
+        try:
+            with _variables(inputs) as variables, given_changes(self.network, changes, live=live) as given:
+                outcome = _run(self, [*words, *given.words], variables, recorder, passed, on_start, given)
+        finally:
+            if isinstance(passed, RecordedRows):
+                passed.hand_over()
         return Run(self.network, self.environment, outcome, recorder, passed)
 
 

@@ -155,6 +155,19 @@ class Recording:
         if self._writer is not None:
             self._writer.discard()
 
+    def break_off(self) -> bool:
+        """The run cannot say how it ended: leave what it has passed, and say whether that is anything."""
+        if all(self.head.ports[position].direction == "parameter" for position in self._pending.last):
+            self.discard()
+            return False
+        self.pass_time(None)
+        if self._thread is not None:
+            self._thread.end()
+        if self._listener is not None:
+            self._listener.close()
+        self._leave()
+        return self._writer is not None
+
     def abandon(self) -> None:
         """The end of the run was not waited for: leave what is there."""
         self._leave()

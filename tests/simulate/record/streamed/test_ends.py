@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from cspdiag.cli.main import main
 from cspdiag.simulate.native.build import CompilerError, find_compiler
 from tests.simulate.record.streamed.oracles import Seen, by_mcap, by_rosbags
 
@@ -187,3 +188,23 @@ def test_a_run_that_does_not_begin_leaves_nothing(folder: Path) -> None:
         process.communicate()
         assert process.returncode == 2 or process.returncode == 1
         assert sorted(path.name for path in folder.iterdir()) == ["main.csp"]
+
+
+def test_a_native_program_that_breaks_off_leaves_its_recording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As if the system had killed it."""
+    from cspdiag.simulate.native import run as native
+
+    try:
+        find_compiler()
+    except CompilerError as problem:
+        pytest.skip(str(problem))
+    (tmp_path / "drive.csp").write_text(LOOP)
+    place = tmp_path / "run.csv"
+    monkeypatch.setattr(native, "_outcome", lambda *_: None)
+    command = ["run", str(tmp_path / "drive.csp"), "--target", "c", "--for", "50ms", "--record", str(place)]
+    assert main(command) == 1
+    assert f"{tmp_path / 'run.part.csv'} has what was recorded until then" in capsys.readouterr().err
+    assert not place.exists()
+    assert len((tmp_path / "run.part.csv").read_text().splitlines()) > 50
