@@ -217,7 +217,7 @@ class Termination:
     def _least_increase(self, loop: Loop, expression: Expression, sign: int) -> float:
         """By how much at least ``sign`` times the expression increases in each iteration."""
         if any(isinstance(part, TunableValue) for part in parts(expression)):
-            # Whoever changes a parameter may move a bound away from what approaches it.
+            # A change of a parameter may move a bound away from what approaches it.
             return -inf
         if not any(isinstance(part, VariableValue) for part in parts(expression)):
             return 0
