@@ -22,7 +22,9 @@ from cspdiag.base.sources import read_source
 ROOT = Path(__file__).parents[1]
 RECORD = ROOT / "docs" / "misra.md"
 MODELS = ("buffer", "cascade", "commstime", "dining", "emergency", "jiwy", "ring", "watchdog")
-_OF_A_HOST = re.compile(r"csp_(linear|signals|simulation|stream|watch|port_(posix|simulation|board)|run|platform|leaf)")
+_OF_A_HOST = re.compile(
+    r"csp_(linear|signals|simulation|stream|tuning|watch|port_(posix|simulation|board)|run|platform|leaf)"
+)
 """Files that are not on a target: simulation, recordings, POSIX."""
 _IN_ASSEMBLY = "csp_port_cortex_m"
 _FINDING = re.compile(r"^(?P<file>[^:\n]+):(?P<line>\d+):\d+: \w+: .*\[misra-c2012-(?P<rule>\d+\.\d+)\]$", re.MULTILINE)
