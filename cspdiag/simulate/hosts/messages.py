@@ -7,8 +7,10 @@ import pickle
 from types import ModuleType
 from typing import Any
 
+from cspdiag.base.errors import CspdiagError
 
-class BadMessageError(ValueError):
+
+class BadMessageError(CspdiagError, ValueError):
     """Bytes that are no message of a place of this program."""
 
 
