@@ -254,11 +254,15 @@ class DividedRun(NetworkRun):
         """Waits for a while. Raises RunFailed if there is no hope."""
         self._links.wait(_LOOK)
         stopping.check()
-        if self._doom is not None:
-            raise RunFailed(self._doom)
+        self._give_up_if_doomed()
         for link in self._links.lost:
             if time.monotonic() - link.heard > SILENCE:
                 raise RunFailed(PartnerLost(f"the place `{link.place}` has been silent for {SILENCE:g} s"))
+
+    def _give_up_if_doomed(self) -> None:
+        """Raises RunFailed if another place has ended; what it has sent before comes first, as an exception."""
+        if self._doom is not None and not any(self._rounds.values()):
+            raise RunFailed(self._doom)
 
     def _ended_by_itself(self) -> Outcome:
         self._collect()
@@ -281,8 +285,7 @@ class DividedRun(NetworkRun):
             stopping.check()
             if self._root.ended:
                 return self._ended_by_itself()
-            if self._doom is not None:
-                raise RunFailed(self._doom)
+            self._give_up_if_doomed()
             timer = timers.next_instant()
             can_continue = timer is not None or instants.port_can_have_effect()
             following = [instant for instant in (timer, instants.after(scheduler.now)) if instant is not None]
