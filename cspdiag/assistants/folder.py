@@ -6,8 +6,10 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from cspdiag.base.errors import CspdiagError
 
-class OutsideError(ValueError):
+
+class OutsideError(CspdiagError):
     """A name that leads out of the folder, or to no program."""
 
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile
 
@@ -33,7 +34,7 @@ class Proved:
     found: Diagnostic | None
 
 
-class ProvingError(Exception):
+class ProvingError(CspdiagError):
     """Nothing can be proved; the text says why."""
 
 

@@ -10,6 +10,7 @@ from lsprotocol import types
 
 from cspdiag.base.diagnostic import Edit
 from cspdiag.base.edits import applied
+from cspdiag.base.errors import CspdiagError
 from cspdiag.base.span import SourceFile
 from cspdiag.lsp.documents import Documents, identity, is_bundled
 from cspdiag.lsp.features.actions import workspace_edit
@@ -24,7 +25,7 @@ _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 MakeView = Callable[[SourceFile, Callable[[str], SourceFile]], View]
 
 
-class RenameError(Exception):
+class RenameError(CspdiagError):
     """A name cannot be changed, or not to the new one; the text says why."""
 
 

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.failure import UsageError
 from cspdiag.cli.support.versions.revisions import LAST_COMMIT, git, reader_of, split_name
@@ -69,7 +70,7 @@ def compared(before: Version, after: Version, *, imported: bool = True) -> Compa
     return Comparison(after.path, differences(first.readable, second.readable, whole=whole, imported=imported), errors)
 
 
-class UnreadableError(Exception):
+class UnreadableError(CspdiagError):
     """Nothing of a version could be read; the diagnostics say why."""
 
     def __init__(self, version: Version, diagnostics: Sequence[Diagnostic]) -> None:
