@@ -92,6 +92,7 @@ def test_a_run_in_steps(machine: Path) -> None:
         f"state {ENDED}: ended by itself; driven 6, last -1, released 2, afterwards 0",
         f"lamp 0, alive 1, again {ENDED}, next 1",
         f"after finish {REFUSED}, released 2",
+        "begun: running, in the end: finished",
     ]
 
 

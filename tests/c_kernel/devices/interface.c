@@ -145,6 +145,13 @@ static void run(void)
                  (int)machine_advance(self, 30 * MS, 1U), machine_next(self) == INT64_MAX);
     machine_finish(self);
     (void)printf("after finish %d, released %d\n", (int)machine_advance(self, 30 * MS, 1U), devices.released);
+    char text[20] = "";
+    machine_instance *const again = begin(&memory, &devices, false);
+    machine_describe(again, text, sizeof text);
+    (void)printf("begun: %s", text);
+    machine_finish(again);
+    machine_describe(again, text, sizeof text);
+    (void)printf(", in the end: %s\n", text);
 }
 
 static void reset(void)

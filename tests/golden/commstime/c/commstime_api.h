@@ -111,7 +111,7 @@ typedef struct commstime_hooks {
 typedef enum commstime_state {
     COMMSTIME_MORE,     /* everything up to the instant is done */
     COMMSTIME_BUDGET,   /* the steps are used up, and something is still due: call again */
-    COMMSTIME_REFUSED,  /* nothing was done: the instant is past, or nothing runs */
+    COMMSTIME_REFUSED,  /* nothing was done: the instant is past or INT64_MAX, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     COMMSTIME_ENDED,    /* by itself */
     COMMSTIME_FAILED,   /* by an exception or a fault */
@@ -138,7 +138,9 @@ static inline bool commstime_continues(commstime_state state)
     return (state == COMMSTIME_MORE) || (state == COMMSTIME_BUDGET);
 }
 
-/* The next instant at which something is due; INT64_MAX: nothing but events. */
+/* The next instant at which something is due; INT64_MAX, to which no run advances: nothing but
+ * events, so wait for one.
+ */
 int64_t commstime_next(commstime_instance *self);
 
 /* Hands over what the outputs have for this instant, up to which everything is done, before

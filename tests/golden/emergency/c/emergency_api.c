@@ -394,8 +394,8 @@ void emergency_describe(emergency_instance *self, char *text, size_t size)
         csp_append(text, size, "stopped");
         break;
     default:
-        csp_append(text, size, "running");
-        if (csp->current != NULL) {
+        csp_append(text, size, (csp->phase == (uint8_t)CSP_FINISHED) ? "finished" : "running");
+        if ((csp->current != NULL) && (csp->phase != (uint8_t)CSP_FINISHED)) {
             csp_append(text, size, ": ");
             csp_describe_current(csp, &text[strlen(text)], size - strlen(text));
         }

@@ -160,7 +160,7 @@ typedef struct emergency_hooks {
 typedef enum emergency_state {
     EMERGENCY_MORE,     /* everything up to the instant is done */
     EMERGENCY_BUDGET,   /* the steps are used up, and something is still due: call again */
-    EMERGENCY_REFUSED,  /* nothing was done: the instant is past, or nothing runs */
+    EMERGENCY_REFUSED,  /* nothing was done: the instant is past or INT64_MAX, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     EMERGENCY_ENDED,    /* by itself */
     EMERGENCY_FAILED,   /* by an exception or a fault */
@@ -187,7 +187,9 @@ static inline bool emergency_continues(emergency_state state)
     return (state == EMERGENCY_MORE) || (state == EMERGENCY_BUDGET);
 }
 
-/* The next instant at which something is due; INT64_MAX: nothing but events. */
+/* The next instant at which something is due; INT64_MAX, to which no run advances: nothing but
+ * events, so wait for one.
+ */
 int64_t emergency_next(emergency_instance *self);
 
 /* Hands over what the outputs have for this instant, up to which everything is done, before

@@ -171,7 +171,7 @@ typedef struct jiwy_hooks {
 typedef enum jiwy_state {
     JIWY_MORE,     /* everything up to the instant is done */
     JIWY_BUDGET,   /* the steps are used up, and something is still due: call again */
-    JIWY_REFUSED,  /* nothing was done: the instant is past, or nothing runs */
+    JIWY_REFUSED,  /* nothing was done: the instant is past or INT64_MAX, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     JIWY_ENDED,    /* by itself */
     JIWY_FAILED,   /* by an exception or a fault */
@@ -206,12 +206,14 @@ void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters);
 
 /* Changes the parameters, between two steps: from the next instant on, everything uses them.
  * False: nothing was done, because a value is not finite, or something that follows from them
- * cannot be computed.
+ * cannot be computed. Values of enums are not tested, here and in events.
  */
 bool jiwy_set(jiwy_instance *self,
     const jiwy_parameters *parameters);
 
-/* The next instant at which something is due; INT64_MAX: nothing but events. */
+/* The next instant at which something is due; INT64_MAX, to which no run advances: nothing but
+ * events, so wait for one.
+ */
 int64_t jiwy_next(jiwy_instance *self);
 
 /* Hands over what the outputs have for this instant, up to which everything is done, before
