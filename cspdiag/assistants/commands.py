@@ -8,7 +8,8 @@ import signal
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+
+from cspdiag.base.record import record
 
 LONGEST = 20_000
 """The number of characters of a text that is returned; an assistant could not read more."""
@@ -16,7 +17,8 @@ PATIENCE = 30.0
 """Seconds that a command may take beyond the time that it was given."""
 
 
-class Finished(NamedTuple):
+@record
+class Finished:
     """What a command returned; ``code`` is None if it was ended because it took too long."""
 
     code: int | None

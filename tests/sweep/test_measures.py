@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import sqrt
+from pathlib import Path
 
 import pytest
 
@@ -11,6 +12,7 @@ from cspdiag.model.types import DOUBLE
 from cspdiag.sweep.measures import KINDS, Measure, Measures, Signal, measured
 from tests.sweep.programs import HEATER
 
+ROOT = Path(__file__).parents[2]
 SECOND = 10**9
 
 
@@ -96,6 +98,6 @@ def test_what_cannot_be_measured_is_refused(measure: str, reason: str) -> None:
 
 
 def test_a_difference_has_one_unit() -> None:
-    program = cspdiag.load("models/jiwy/jiwy.csp")
+    program = cspdiag.load(ROOT / "models/jiwy/jiwy.csp")
     with pytest.raises(cspdiag.MeasureError, match="their units are not the same"):
         program.sweep({}, "rms(pan.angle - pan.speed)", until=0)

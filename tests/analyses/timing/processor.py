@@ -29,7 +29,7 @@ class TimeIsUp(Exception):  # noqa: N818 - it says what is the case
     """
 
 
-class _Run(cspdiag.runtime.network._Run):
+class _Run(cspdiag.runtime.network.NetworkRun):
     """A run that executes its instants while laws compute."""
 
     def _start(self) -> None:
@@ -76,12 +76,12 @@ class Processor:
 def on_processor() -> Iterator[None]:
     """Within this context, programs that run in real time run on this processor."""
     runtime = cspdiag.runtime.network
-    kept = runtime.RealClock, runtime._Run
-    runtime.RealClock, runtime._Run = Processor, _Run  # type: ignore[misc, assignment]
+    kept = runtime.RealClock, runtime.NetworkRun
+    runtime.RealClock, runtime.NetworkRun = Processor, _Run  # type: ignore[misc, assignment]
     try:
         yield
     finally:
-        runtime.RealClock, runtime._Run = kept  # type: ignore[misc]
+        runtime.RealClock, runtime.NetworkRun = kept  # type: ignore[misc]
 
 
 def read(path: str) -> SourceFile:

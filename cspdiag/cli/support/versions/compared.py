@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.failure import UsageError
 from cspdiag.cli.support.versions.revisions import LAST_COMMIT, git, reader_of, split_name
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
     from cspdiag.pipeline import Checked
 
 
-class Version(NamedTuple):
+@record
+class Version:
     """A program in a revision, None for the working tree; ``exists``: not, if it was added later or is removed."""
 
     revision: str | None
@@ -30,7 +32,8 @@ class Version(NamedTuple):
         return f"{self.path} in {self.revision}" if self.revision else self.path
 
 
-class Comparison(NamedTuple):
+@record
+class Comparison:
     """What changed in a program. ``errors``: why definitions could not be read, in both versions."""
 
     path: str

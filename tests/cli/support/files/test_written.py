@@ -55,7 +55,6 @@ def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("draw", "-o", "out.svg"),
         ("draw", "--book", "out.html"),
         ("draw --all", "-o", "out/"),
-        ("diff", "-o", "out.svg"),
         ("compile", "-o", "out"),
         ("bench", "--json", "out.json"),
     ],
@@ -93,7 +92,6 @@ def test_an_output_is_refused_by_its_own_name(
         ("verify --timing", "--gantt", "out.svg"),
         ("verify --timing", "--wcet-from", "out.json"),
         ("draw", "--book", "out.html"),
-        ("diff", "-o", "out.svg"),
         ("bench", "--json", "out.json"),
     ],
 )
