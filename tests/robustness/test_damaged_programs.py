@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from tests.robustness.answers import answer
 from tests.robustness.damage import damaged
 
-PROGRAMS = 1_000
-BLOCK = 250
+PROGRAMS = 500
+BLOCK = 125
 
 
 @pytest.mark.parametrize("start", range(0, PROGRAMS, BLOCK))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from cspdiag.base.record import record
@@ -89,6 +89,33 @@ class Pending:
             if end:
                 found.append(Block(port, time[:end], value[:end]))
         return found
+
+
+MOST_AT_ONCE = 20_000
+"""How many values of a port are written in one go, at most, unless more are of one instant."""
+
+
+def in_pieces(blocks: Sequence[Block]) -> Iterator[Sequence[Block]]:
+    """The blocks cut at common instants, so that a disk that becomes full has all but the last few values."""
+    import numpy
+
+    begins = [0] * len(blocks)
+    while True:
+        rest = [len(block.time) - begin for block, begin in zip(blocks, begins, strict=True)]
+        longest = rest.index(max(rest))
+        if rest[longest] <= MOST_AT_ONCE:
+            ends = [len(block.time) for block in blocks]
+        else:
+            last = blocks[longest].time[begins[longest] + MOST_AT_ONCE - 1]
+            ends = [int(numpy.searchsorted(block.time, last, side="right")) for block in blocks]
+        yield [
+            Block(block.port, block.time[begin:end], block.value[begin:end])
+            for block, begin, end in zip(blocks, begins, ends, strict=True)
+            if end > begin
+        ]
+        begins = ends
+        if all(begin == len(block.time) for block, begin in zip(blocks, begins, strict=True)):
+            return
 
 
 def in_order(blocks: Sequence[Block]) -> numpy.ndarray:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from cspdiag.base.errors import CspdiagError
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 from cspdiag.simulate.record.leaves import leaf, leaves
-from cspdiag.simulate.record.streamed.blocks import Block, Pending, Writer, array_of
+from cspdiag.simulate.record.streamed.blocks import Block, Pending, Writer, array_of, in_pieces
 
 if TYPE_CHECKING:
     import numpy
@@ -107,11 +107,11 @@ class Recording:
         if self._writer is None or self.problem is not None:
             return
         try:
-            self._writer.write(blocks)
+            for piece in in_pieces(blocks):
+                self._writer.write(piece)
+                self._written = max(int(block.time[-1]) for block in piece)
         except OSError as problem:
             self._fail(problem)
-        else:
-            self._written = max(int(block.time[-1]) for block in blocks)
 
     def _fail(self, problem: OSError) -> None:
         if self._writer is not None and self.problem is None:
