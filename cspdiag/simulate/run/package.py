@@ -72,7 +72,7 @@ class LoadedPackage:
         self._share(importlib.import_module("cspdiag.runtime"))
 
     def _share(self, runtime: ModuleType) -> None:
-        for module_name, module in list(sys.modules.items()):
+        for module_name, module in sys.modules.copy().items():  # Another thread may import meanwhile.
             if module_name == runtime.__name__ or module_name.startswith(f"{runtime.__name__}."):
                 sys.modules[f"{self.name}.runtime{module_name[len(runtime.__name__) :]}"] = module
 
@@ -87,7 +87,7 @@ class LoadedPackage:
     def close(self) -> None:
         """Remove the package from the interpreter."""
         sys.meta_path.remove(self._finder)
-        for module_name in [m for m in list(sys.modules) if m == self.name or m.startswith(f"{self.name}.")]:
+        for module_name in [m for m in sys.modules.copy() if m == self.name or m.startswith(f"{self.name}.")]:
             del sys.modules[module_name]
-        for origin in [o for o in list(linecache.cache) if o.startswith(f"<{self.name}>/")]:
+        for origin in [o for o in linecache.cache.copy() if o.startswith(f"<{self.name}>/")]:
             del linecache.cache[origin]
