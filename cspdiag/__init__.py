@@ -12,12 +12,13 @@ if TYPE_CHECKING:
     from os import PathLike
 
     from cspdiag.analyses.margins.linear import NotLinearError
-    from cspdiag.api import Drawing, LoadedProgram, ProgramError
+    from cspdiag.api import LoadedProgram, ProgramError
     from cspdiag.base.diagnostic import Diagnostic
     from cspdiag.base.errors import ArgumentError, CspdiagError, FileError, MissingPackageError
     from cspdiag.codegen.shared.target_error import TargetError
     from cspdiag.draw.layout.graph import LayoutError
     from cspdiag.draw.missing import MissingToolError
+    from cspdiag.drawing import Drawing
     from cspdiag.live import Tuning
     from cspdiag.model.types import Real
     from cspdiag.network.lower.program import SelectionError
@@ -71,7 +72,7 @@ _HOMES = {
     "CompilerError": "simulate.native.build",
     "CspdiagError": "base.errors",
     "Diagnostic": "base.diagnostic",
-    "Drawing": "api",
+    "Drawing": "drawing",
     "FileError": "base.errors",
     "LayoutError": "draw.layout.graph",
     "LoadedProgram": "api",

@@ -15,7 +15,6 @@ from cspdiag.arguments import (
     definition_to_draw,
     labels_to_hide,
     measured_times,
-    number_of,
     require_names,
     require_one_of,
     require_seconds,
@@ -30,6 +29,7 @@ from cspdiag.arguments import (
 from cspdiag.base import Diagnostic, SourceFile
 from cspdiag.base.errors import ArgumentError, CspdiagError, file_errors
 from cspdiag.base.sources import read_source
+from cspdiag.drawing import Drawing
 from cspdiag.live import Tuning
 from cspdiag.model.types import REALS
 
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from cspdiag.analyses.margins.loops import LoopReport
     from cspdiag.analyses.timing.result import TimingReport
     from cspdiag.draw.pictures import Which
-    from cspdiag.draw.scene.shapes import Scene
     from cspdiag.model.program import Program
     from cspdiag.model.types import Real
     from cspdiag.network.ir.network import CoreNetwork
@@ -461,46 +460,3 @@ class LoadedProgram:
 def _require_level(level: object, known: str = "0 or 1") -> None:
     if level not in (0, 1):
         raise ArgumentError(f"there is no optimization level {shown(level)}: choose {known}")
-
-
-class Drawing:
-    """A picture; a notebook shows it."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-
-    def __repr__(self) -> str:
-        return f"<Drawing of {self.scene.title}>"
-
-    def _repr_svg_(self) -> str:
-        return self.svg()
-
-    def svg(self, scheme: str = "auto") -> str:
-        """The picture as SVG, in the colours of the scheme ``light``, ``dark`` or, as the viewer prefers, ``auto``.
-
-        Raises ArgumentError for another scheme.
-        """
-        from cspdiag.draw.output.svg import render_svg
-        from cspdiag.draw.scene.palette import Scheme
-
-        require_one_of("scheme", scheme, [each.value for each in Scheme])
-        return render_svg(self.scene, Scheme(scheme))
-
-    def save(self, path: str | os.PathLike[str], *, scheme: str = "auto", scale: float = 2.0) -> None:
-        """Write a file whose name ends in ``.svg``, ``.png`` (``scale`` dots per pixel) or ``.pdf``.
-
-        Raises ArgumentError for another ending, scheme or scale, FileError if it cannot be written.
-        """
-        from pathlib import Path
-
-        from cspdiag.base.files.whole import write_whole
-        from cspdiag.draw.output.formats import FORMATS, rendered
-        from cspdiag.draw.scene.palette import Scheme
-
-        suffix = Path(path).suffix.removeprefix(".").lower()
-        require_one_of("ending of a picture", suffix, FORMATS)
-        require_one_of("scheme", scheme, [each.value for each in Scheme])
-        if not 0.1 <= number_of("scale", scale) <= 20:
-            raise ArgumentError(f"scale is between 0.1 and 20, not {shown(scale)}")
-        with file_errors():
-            write_whole(Path(path), rendered([self.scene], suffix, scheme, scale))
