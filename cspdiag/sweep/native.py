@@ -14,7 +14,7 @@ from cspdiag.codegen.c.package.package import support_files
 from cspdiag.codegen.c.package.parts import PARTS
 from cspdiag.codegen.c.package.refusals import refuse_devices
 from cspdiag.codegen.c.package.sweep import generate
-from cspdiag.model.types import StructType, TimeType
+from cspdiag.model.types import RealType, StructType, TimeType
 from cspdiag.network.ir.external import external_bodies
 from cspdiag.runtime.kernel.exceptions import described
 from cspdiag.simulate.native.build import Build, CompilerError
@@ -139,8 +139,12 @@ class ParameterWriter:
         """The structure for a run; a byte if there are no parameters."""
         data = bytearray(self._first)
         for name, part, value in self._plan.parameter_values(run):
+            if name not in self._positions:
+                continue  # Nothing in this program depends on it.
             path = (self._positions[name], *part)
-            piece = encoded(type_at(self._type, path), value.value)
+            type_ = type_at(self._type, path)
+            # A `time` that is used in equations only is a number of seconds there.
+            piece = encoded(type_, value.cell if isinstance(type_, RealType) else value.value)
             place = offset_of(self._type, path)
             data[place : place + len(piece)] = piece
         return bytes(data)

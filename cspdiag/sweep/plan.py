@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
-from itertools import product
 from typing import TYPE_CHECKING
 
 from cspdiag import pipeline
+from cspdiag.base import Report
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile
 from cspdiag.network.checks.endless import never_ends
 from cspdiag.pipeline import Checked, Reader
-from cspdiag.settings import SettingError, parse_settings
+from cspdiag.settings import Overrides, SettingError, parse_settings
 from cspdiag.simulate.run.execute import chosen_environment
 from cspdiag.sweep.axes import Axis, AxisValue, Grid, grid_of
 from cspdiag.sweep.measures import Measures, parse_measures
-from cspdiag.sweep.promoted import can_be_promoted, is_same_but_for, promoted
+from cspdiag.sweep.promoted import Programs, can_be_promoted, programs_of, promoted
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from cspdiag.model.types import Real
     from cspdiag.network.ir.network import CoreNetwork, Environment
     from cspdiag.network.lower.setting_paths import Root
-
-_CHECKED_VALUES = 4
-"""An axis of reals with more values is compared at its ends and in the middle only."""
 
 
 class InvalidProgramError(CspdiagError):
@@ -62,13 +59,50 @@ class NetworkMaker:
 
     def network(self, settings: Mapping[str, str]) -> tuple[CoreNetwork | None, Sequence[Diagnostic]]:
         """The network, None if the settings give it errors, and the diagnostics. Raises SettingError."""
+        checked, network = self._made(self._overrides(settings))
+        return network, checked.report.diagnostics
+
+    def environments(
+        self, compiled: Mapping[str, str], varied: Iterable[Mapping[str, str]]
+    ) -> Iterator[Environment | None]:
+        """The environment for each of the ``varied`` settings, which are parameters of it, together with the
+        ``compiled`` ones; None if they give it errors. The program around it is made once. Raises SettingError.
+        """
+        whole: tuple[Program, CoreNetwork] | None = None
+        for own in varied:
+            overrides = self._overrides({**compiled, **own})
+            if whole is not None:
+                yield self._environment(*whole, overrides)
+                continue
+            checked, network = self._made(overrides)
+            if network is None or checked.program is None:
+                yield None
+                continue
+            whole = checked.program, network
+            yield next(iter(network.environments), None)
+
+    def _overrides(self, settings: Mapping[str, str]) -> Overrides:
         assert self.checked.program is not None
-        overrides = parse_settings(self.checked.program, settings, self.roots)
+        return parse_settings(self.checked.program, settings, self.roots)
+
+    def _made(self, overrides: Overrides) -> tuple[Checked, CoreNetwork | None]:
         checked = pipeline.changed(self.checked, overrides.constants, overrides.places)
         network = pipeline.compile_network(
             checked, environment=self.environment, overrides=overrides.parameters, alone=True
         )
-        return network, checked.report.diagnostics
+        return checked, network
+
+    def _environment(self, program: Program, network: CoreNetwork, overrides: Overrides) -> Environment | None:
+        from cspdiag.network.lower.environments import lower_environment
+        from cspdiag.network.lower.program import overrides_of_environment
+
+        process, definition = self.roots[0], program.definitions[network.environments[0].name]
+        assert isinstance(process, ast.ProcessDefinition)
+        assert isinstance(definition, ast.EnvironmentDefinition)
+        report = Report()
+        values = overrides_of_environment(overrides.parameters, process, definition)
+        made = lower_environment(program, definition, network.external_ports, values, report)
+        return None if report.has_errors else made
 
 
 @record
@@ -92,7 +126,8 @@ class Plan:
     """A sweep whose program, names and values are right.
 
     ``compiled`` are the positions of axes whose values are compiled into programs; the others are parameters of a
-    program, for each by the name of the parameter and the positions of the part of it.
+    program, for each by the name of the parameter and the positions of the part of it. ``programs`` says which program
+    a run needs.
     """
 
     request: Request
@@ -104,29 +139,22 @@ class Plan:
     measures: Measures
     compiled: tuple[int, ...]
     tunable: Mapping[int, tuple[str, tuple[int, ...]]]
+    programs: Programs
     first: CoreNetwork
     """The network of the first run."""
 
     @property
     def variants(self) -> int:
         """The number of programs to be built."""
-        count = 1
-        for at in self.compiled:
-            count *= len(self.grid.axes[at].values)
-        return count
+        return len(self.programs.settings)
 
     def variant_of(self, run: int) -> int:
         """The number of the program that makes a run."""
-        positions, number = self.grid.positions(run), 0
-        for at in self.compiled:
-            number = number * len(self.grid.axes[at].values) + positions[at]
-        return number
+        return self.programs.number(self.grid.positions(run))
 
     def variant(self, number: int) -> Variant:
         """A program, by its number."""
-        values = [self.grid.axes[at].values for at in self.compiled]
-        chosen = next(item for at, item in enumerate(product(*values)) if at == number)
-        settings = {self.grid.axes[at].name: value.text for at, value in zip(self.compiled, chosen, strict=True)}
+        settings = self.programs.settings[number]
         try:
             network, found = self.maker.network(settings)
         except SettingError as problem:
@@ -159,6 +187,11 @@ class Plan:
     def compiled_names(self) -> list[str]:
         """The names whose values need a program each."""
         return [axis.name for at in self.compiled if len((axis := self.grid.axes[at]).values) > 1]
+
+    @property
+    def structural_names(self) -> list[str]:
+        """The names of parameters of the environment with values that need a program of their own."""
+        return [self.grid.axes[at].name for at in self.programs.structural]
 
     def parameter_values(self, run: int) -> Iterator[tuple[str, tuple[int, ...], AxisValue]]:
         """The parameters of its program that a run sets."""
@@ -211,10 +244,11 @@ def plan_sweep(request: Request, reader: Reader) -> Plan:
     network, found = _first_network(maker, grid)
     environment = chosen_environment(network, request.environment)
     measures = parse_measures(request.measures, network, environment)
-    tunable = _tunable(maker, grid, network)
+    tunable = _tunable(grid, network)
     compiled = tuple(at for at in range(len(grid.axes)) if at not in tunable)
+    programs = programs_of(maker, grid, compiled, tuple(at for at in tunable if not _is_tunable(grid.axes[at])))
     texts[request.source.name] = request.source.text
-    return Plan(request, texts, maker, found, grid, measures, compiled, tunable, network)
+    return Plan(request, texts, maker, found, grid, measures, compiled, tunable, programs, network)
 
 
 def _environment(network: CoreNetwork) -> Environment | None:
@@ -241,7 +275,7 @@ def _is_tunable(axis: Axis) -> bool:
     return isinstance(axis.target.item, ast.Constant) and axis.target.item.tunable
 
 
-def _tunable(maker: NetworkMaker, grid: Grid, network: CoreNetwork) -> dict[int, tuple[str, tuple[int, ...]]]:
+def _tunable(grid: Grid, network: CoreNetwork) -> dict[int, tuple[str, tuple[int, ...]]]:
     """By the position of the axis: the parameter of the program that takes its values, and the part of it."""
     environment = _environment(network)
     found: dict[int, tuple[str, tuple[int, ...]]] = {}
@@ -249,30 +283,6 @@ def _tunable(maker: NetworkMaker, grid: Grid, network: CoreNetwork) -> dict[int,
         target = axis.target
         if _is_tunable(axis):
             found[at] = target.item.name.text, target.positions
-        elif (
-            isinstance(target.item, ast.Parameter)
-            and can_be_promoted(environment, target.path)
-            and _makes_no_difference(maker, grid, network, axis)
-        ):
+        elif isinstance(target.item, ast.Parameter) and can_be_promoted(environment, target.path):
             found[at] = target.path, ()
     return found
-
-
-def _makes_no_difference(maker: NetworkMaker, grid: Grid, network: CoreNetwork, axis: Axis) -> bool:
-    """Whether the program is the same for all values of an axis, a parameter of the environment: the size of an array
-    may depend on it.
-    """
-    path = axis.target.path
-    first = promoted(network, _environment(network), (path,))
-    for value in _compared(axis):
-        other, _ = maker.network({**_first_values(grid), axis.name: value.text})
-        if other is None or not is_same_but_for(first, promoted(other, _environment(other), (path,)), (path,)):
-            return False
-    return True
-
-
-def _compared(axis: Axis) -> Sequence[AxisValue]:
-    values = axis.values[1:]
-    if len(axis.values) <= _CHECKED_VALUES or not isinstance(axis.values[0].value, float):
-        return values
-    return (values[len(values) // 2], values[-1])

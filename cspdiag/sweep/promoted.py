@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from array import array
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import product
+from math import prod
+from typing import TYPE_CHECKING, Protocol
 
-from cspdiag.base.record import replaced
-from cspdiag.model.program import Value
+from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import LiteralValue, TunableValue
 from cspdiag.network.ir.network import CoreNetwork, Environment, ProgramParameter
+from cspdiag.network.ir.walk import parts
+
+if TYPE_CHECKING:
+    from cspdiag.sweep.axes import Grid
 
 
 def can_be_promoted(environment: Environment | None, path: str) -> bool:
@@ -23,9 +30,25 @@ def _literal_constants(environment: Environment | None) -> list[SubmodelEquation
 
 def promoted(network: CoreNetwork, environment: Environment | None, paths: Iterable[str]) -> CoreNetwork:
     """The network of one environment in which these parameters of instances are parameters of the program."""
-    chosen = {item.name: item for item in _literal_constants(environment) if item.name in set(paths)}
-    if environment is None or environment.system is None or not chosen:
+    if environment is None:
         return network
+    made, added = _with_parameters(environment, paths)
+    if not added:
+        return network
+    return replaced(
+        network,
+        parameters=(*network.parameters, *added),
+        environments=tuple(made if entry.name == environment.name else entry for entry in network.environments),
+    )
+
+
+def _with_parameters(
+    environment: Environment, paths: Iterable[str]
+) -> tuple[Environment, tuple[ProgramParameter, ...]]:
+    """The environment in which these parameters of instances are parameters of the program, and those parameters."""
+    chosen = {item.name: item for item in _literal_constants(environment) if item.name in set(paths)}
+    if environment.system is None or not chosen:
+        return environment, ()
     added = []
     for item in chosen.values():
         assert isinstance(item.value, LiteralValue)
@@ -38,26 +61,96 @@ def promoted(network: CoreNetwork, environment: Environment | None, paths: Itera
         else item
         for item in environment.system.constants
     )
-    system = replaced(environment.system, constants=constants)
-    return replaced(
-        network,
-        parameters=(*network.parameters, *added),
-        environments=tuple(
-            replaced(entry, system=system) if entry.name == environment.name else entry
-            for entry in network.environments
-        ),
+    return replaced(environment, system=replaced(environment.system, constants=constants)), tuple(added)
+
+
+@record
+class Programs:
+    """The programs that a sweep needs, each with its settings, and which of them a run needs.
+
+    ``axes`` are the positions of the axes on which that depends, with ``sizes`` values each; ``numbers`` has the number
+    of the program for each combination of their values, where those of the last axis change fastest. ``structural``
+    are those axes of the environment with values that need a program of their own.
+    """
+
+    axes: tuple[int, ...]
+    sizes: tuple[int, ...]
+    numbers: Sequence[int]
+    settings: tuple[Mapping[str, str], ...]
+    structural: tuple[int, ...]
+
+    def number(self, positions: Sequence[int]) -> int:
+        """The program of a run, given which value of each axis of the grid it has."""
+        at = 0
+        for axis, size in zip(self.axes, self.sizes, strict=True):
+            at = at * size + positions[axis]
+        return self.numbers[at]
+
+
+class EnvironmentMaker(Protocol):
+    """Makes the environment of a program with several settings."""
+
+    def environments(
+        self, compiled: Mapping[str, str], varied: Iterable[Mapping[str, str]]
+    ) -> Iterator[Environment | None]:
+        """The environment for each of the ``varied`` settings, together with the ``compiled`` ones; None if they give
+        it errors.
+        """
+
+
+def programs_of(maker: EnvironmentMaker, grid: Grid, compiled: tuple[int, ...], varied: tuple[int, ...]) -> Programs:
+    """The programs for the values of the axes ``compiled``, which are compiled in, and ``varied``, parameters of the
+    environment that become parameters of the program.
+
+    Sizes, the order of integration, and what faults may depend on the latter. So the environment is made for every
+    combination of values: those with equal ones share a program.
+    """
+    axes = (*compiled, *varied)
+    sizes = tuple(len(grid.axes[at].values) for at in axes)
+    paths = [grid.axes[at].target.path for at in varied]
+    numbers, settings = array("L"), list[Mapping[str, str]]()
+    for fixed in _combinations(grid, compiled):
+        known: dict[object, int] = {}
+        inner = _combinations(grid, varied) if varied else iter([{}])
+        made = maker.environments(fixed, _combinations(grid, varied)) if varied else iter([None])
+        for own, environment in zip(inner, made, strict=True):
+            key = object() if environment is None else _structure(environment, paths)
+            if key not in known:
+                known[key] = len(settings)
+                settings.append({**fixed, **own})
+            numbers.append(known[key])
+    more = len(settings) > prod(sizes[: len(compiled)])
+    structural = _structural(axes, sizes, numbers, len(compiled)) if more else ()
+    return Programs(axes, sizes, numbers, tuple(settings), structural)
+
+
+def _combinations(grid: Grid, axes: Sequence[int]) -> Iterator[dict[str, str]]:
+    names = [grid.axes[at].name for at in axes]
+    for values in product(*(grid.axes[at].values for at in axes)):
+        yield {name: value.text for name, value in zip(names, values, strict=True)}
+
+
+def _structure(environment: Environment, paths: Sequence[str]) -> object:
+    """What is equal for two environments that differ in nothing but the values of these parameters."""
+    same, added = _with_parameters(environment, paths)
+    # Zeros of both signs are equal, but have different quotients.
+    zeros = tuple(
+        repr(part.value)
+        for part in parts(same)
+        if isinstance(part, LiteralValue) and (part.value == 0 or isinstance(part.value, tuple))
     )
+    return same, tuple((item.name, item.type) for item in added), zeros
 
 
-def is_same_but_for(one: CoreNetwork, other: CoreNetwork, paths: Iterable[str]) -> bool:
-    """Whether two promoted networks differ in nothing but the first values of these parameters."""
-    names = set(paths)
-    return _without_values(one, names) == _without_values(other, names)
-
-
-def _without_values(network: CoreNetwork, names: set[str]) -> CoreNetwork:
-    nothing: Value = 0
-    return replaced(
-        network,
-        parameters=tuple(replaced(item, value=nothing) if item.name in names else item for item in network.parameters),
-    )
+def _structural(axes: Sequence[int], sizes: Sequence[int], numbers: Sequence[int], compiled: int) -> tuple[int, ...]:
+    """The axes after the first ``compiled`` ones with two values of which the program differs, the others equal."""
+    found, stride = [], len(numbers)
+    for position, (at, size) in enumerate(zip(axes, sizes, strict=True)):
+        stride //= size
+        if position >= compiled and any(
+            numbers[start] != numbers[start + stride]
+            for start in range(len(numbers) - stride)
+            if start // stride % size < size - 1
+        ):
+            found.append(at)
+    return tuple(found)

@@ -85,6 +85,51 @@ def test_a_parameter_that_decides_what_is_compiled_needs_a_program_for_each_valu
     assert list(plan.tunable.values()) == [("room.volume", ())]
 
 
+LATE = """\
+process Main {
+  in  level : double @ 10 ms
+  out seen  : double @ 10 ms
+  communication { var x : double = 0 }
+  composition { mu (level ? x ; seen ! x) }
+}
+
+/// Its signal is late by two samples if both values are 3.
+submodel Pipe(length: double = 1, width: double = 1, tau: time = 2 s) {
+  in  seen  : double
+  out level : double
+  let share = 1<s> / tau
+  level = delay(length + width + share, if length == 3 and width == 3 then 2 else 1, 0)
+}
+
+environment Bench for Main {
+  pipe : Pipe
+  seen       -> pipe.seen
+  pipe.level -> level
+}
+"""
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    "given", [{"pipe.length": "1:6:6", "pipe.width": "3"}, {"pipe.length": "1,3", "pipe.width": "1,3"}]
+)
+def test_each_combination_of_values_has_the_program_that_it_needs(given: dict[str, str]) -> None:
+    plan = planned(LATE, given)
+    assert plan.variants == 2
+    assert plan.structural_names
+    program = cspdiag.parse(LATE)
+    native = program.sweep(given, ["min(seen)", "last(seen)"], until="25 ms", target="c")
+    slow = program.sweep(given, ["min(seen)", "last(seen)"], until="25 ms", target="python", workers=1)
+    assert native.rows == slow.rows
+    assert [row["last(seen)"] for row in native.rows if row["pipe.length"] == row["pipe.width"] == 3] == [0.0]
+
+
+@needs_compiler
+def test_a_time_that_the_environment_uses_in_seconds_is_one_in_each_run() -> None:
+    sweep = cspdiag.parse(LATE).sweep({"pipe.tau": "500ms,2s"}, "last(seen)", until="25 ms", target="c")
+    assert [row["last(seen)"] for row in sweep.rows] == [4.0, 2.5]
+
+
 @needs_compiler
 @pytest.mark.parametrize("target", ["c", "python"])
 def test_how_runs_end_is_a_column(target: str) -> None:

@@ -83,8 +83,7 @@ def run(arguments: Namespace) -> int:
     if arguments.plot is not None and not (plan.measures.measures and any(len(a.values) > 1 for a in plan.grid.axes)):
         raise UsageError("--plot shows measures over values: it needs a --measure, and a --set with several values")
     if plan.variants > 1 and arguments.target != "python" and not arguments.quiet:
-        names = " and ".join(f"`{name}`" for name in plan.compiled_names)
-        say(f"{plan.variants} programs are built, one for each value of {names}: a `parameter` would need one only")
+        say(_several_programs(plan))
     sweep = _swept(arguments, plan)
     if sweep is None:
         return INTERRUPTED
@@ -93,6 +92,19 @@ def run(arguments: Namespace) -> int:
 
         write_out("".join(f"{line}\n" for line in text_lines(sweep)))
     return FINE
+
+
+def _several_programs(plan: Plan) -> str:
+    """Why a sweep needs several programs."""
+    structural = " and ".join(f"`{name}`" for name in plan.structural_names)
+    compiled = " and ".join(f"`{name}`" for name in plan.compiled_names)
+    if not structural:
+        return (
+            f"{plan.variants} programs are built, one for each value of {compiled}: a `parameter` would need one only"
+        )
+    others = f"other ones for some values of {structural}, on which the environment's equations depend"
+    each = f"one for each value of {compiled}, and " if compiled else ""
+    return f"{plan.variants} programs are built, {each}{others}"
 
 
 def _check_outputs(arguments: Namespace) -> None:

@@ -85,9 +85,7 @@ def lower(
     instances, nets = walk_instances(outermost, classes, ports)
     if own:
         refuse_missing(program, process, own, instance_names(outermost))
-    # An environment also uses the parameters of its process, which have bare names.
-    bare = {path: value for path, value in own.items() if "." not in path}
-    below = ((item, {**of_root(overrides, item), **bare}) for item in wanted)
+    below = ((item, overrides_of_environment(overrides, process, item)) for item in wanted)
     lowered = tuple(
         found
         for item, values in below
@@ -117,6 +115,14 @@ def lower(
         instances=tuned.instances,
         nets=nets,
     )
+
+
+def overrides_of_environment(
+    overrides: Mapping[str, Value], process: ast.ProcessDefinition, environment: ast.EnvironmentDefinition
+) -> dict[str, Value]:
+    """The values for an environment, by path. It also uses the parameters of its process, which have bare names."""
+    bare = {path: value for path, value in of_root(overrides, process).items() if "." not in path}
+    return {**of_root(overrides, environment), **bare}
 
 
 def _arguments_of_program(
