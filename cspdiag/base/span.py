@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import repeat
 from typing import ClassVar
 
 from cspdiag.base.record import node
@@ -129,3 +131,15 @@ class Span:
 _set_source: Callable[[Span, SourceFile], None] = vars(Span)["source"].__set__
 _set_start: Callable[[Span, int], None] = vars(Span)["start"].__set__
 _set_end: Callable[[Span, int], None] = vars(Span)["end"].__set__
+
+
+def move(spans: Sequence[Span], source: SourceFile, by: int) -> None:
+    """Give places a new source and move them by a number of characters.
+
+    Only for those who know everything that refers to these places: the parser that reads a changed text again.
+    """
+    deque(map(_set_source, spans, repeat(source)), maxlen=0)
+    if by:
+        for span in spans:
+            _set_start(span, span.start + by)
+            _set_end(span, span.end + by)

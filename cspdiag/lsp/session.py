@@ -13,6 +13,7 @@ from cspdiag.lsp.positions import Positions
 from cspdiag.lsp.view import View
 from cspdiag.pipeline import Reader
 from cspdiag.syntax import ast
+from cspdiag.syntax.incremental import Parsed, parse_again
 from cspdiag.syntax.on_demand import parsed
 
 
@@ -23,7 +24,7 @@ class Session:
         self.positions = Positions()
         self.documents = Documents(self.positions)
         self._views: dict[str, View] = {}
-        self._trees: dict[str, tuple[str, ast.SourceTree, list[Diagnostic]]] = {}
+        self._parsed: dict[str, Parsed] = {}
         """By name: the last text of a file with its tree and the mistakes in it."""
         self.views = 0
         """How many views were made."""
@@ -68,8 +69,12 @@ class Session:
             self._forget()
 
     def _is_present(self, view: View) -> bool:
-        """Whether the imported files still have the texts that they had."""
-        return all(self._text(name) == text for name, text in view.texts.items())
+        """Whether the imported files still have the texts that they had, and no other text of a file of the program was
+        parsed meanwhile: its nodes then have places in that text.
+        """
+        return all(self._text(name) == text for name, text in view.texts.items()) and all(
+            name in self._parsed and self._parsed[name].tree is tree for name, tree in view.trees.items()
+        )
 
     def _text(self, name: str) -> str | None:
         try:
@@ -78,26 +83,26 @@ class Session:
             return None
 
     def _parse(self, source: SourceFile, report: Report) -> ast.SourceTree:
-        known = self._trees.get(source.name)
-        if known is None or known[0] != source.text:
+        known = self._parsed.get(source.name)
+        if known is None or known.source.text != source.text:
             self.parses += 1
-            mistakes = Report()
-            known = source.text, parsed(source, mistakes), mistakes.diagnostics
-            self._trees[source.name] = known
-        for mistake in known[2]:
+            # Should reading fail in the middle, the previous nodes are no longer where they were.
+            self._parsed.pop(source.name, None)
+            known = self._parsed[source.name] = parse_again(source, known)
+        for mistake in known.mistakes:
             report.add(mistake)
-        return known[1]
+        return known.tree
 
     @property
     def remembered(self) -> int:
         """How many trees are kept, without those of bundled libraries."""
-        return sum(not name.startswith("std/") for name in self._trees)
+        return sum(not name.startswith("std/") for name in self._parsed)
 
     def _forget(self) -> None:
         """Keep only the trees of files that belong to a program of an open document."""
         used = {name for view in self._views.values() for name in (view.main.name, *view.texts)}
-        for name in [name for name in self._trees if name not in used and not name.startswith("std/")]:
-            del self._trees[name]
+        for name in [name for name in self._parsed if name not in used and not name.startswith("std/")]:
+            del self._parsed[name]
 
     def users(self, document: Document) -> list[Document]:
         """The open documents whose programs contain a document, itself included."""

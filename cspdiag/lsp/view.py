@@ -33,6 +33,8 @@ class View:
         self.main = main
         self._read = read
         self._parse = parse
+        self.trees: dict[str, ast.SourceTree] = {}
+        """The trees of its files by name, as far as they were asked for."""
         self.texts: dict[str, str | None] = {}
         """The imported files with their texts, None for those that could not be read."""
         self._occurrences: dict[str, Occurrences] = {}
@@ -45,10 +47,14 @@ class View:
         self.texts[name] = source.text
         return source
 
+    def _tree(self, source: SourceFile, report: Report) -> ast.SourceTree:
+        tree = self.trees[source.name] = self._parse(source, report)
+        return tree
+
     @cached_property
     def checked(self) -> Checked:
         """The program after all checks."""
-        return check(self.main, self._noted, parse=self._parse, for_findings=True)
+        return check(self.main, self._noted, parse=self._tree, for_findings=True)
 
     @property
     def diagnostics(self) -> list[Diagnostic]:
@@ -62,7 +68,7 @@ class View:
         """The program with the meanings of its names, as far as they could be found; it does not need the checks."""
         if "checked" in vars(self) and self.checked.program is not None:
             return self.checked.program
-        trees = with_described_ports(load(self.main, self._noted, Report(), self._parse))
+        trees = with_described_ports(load(self.main, self._noted, Report(), self._tree))
         return resolve(trees, {}, Report())
 
     @property

@@ -55,6 +55,20 @@ def test_an_edit_of_an_import_is_seen_by_the_file_that_imports_it(tmp_path: Path
     assert session.parses - parses == 1
 
 
+def test_a_change_of_an_import_that_is_taken_back_leaves_places_as_they_were(tmp_path: Path) -> None:
+    session = Session()
+    text = LAWS + "const other = gain\n"
+    place = text.index("other"), text.index("other") + len("other")
+    laws = session.documents.open((tmp_path / "laws.csp").as_uri(), text, 1)
+    document = session.documents.open((tmp_path / "main.csp").as_uri(), MAIN, 1)
+    for change in ("", "// Moved.\n"):
+        laws = retyped(session, laws, change + text)
+        session.diagnostics(laws)
+        laws = retyped(session, laws, text)
+        found = session.view(document).program.definitions["other"].name.span
+        assert (found.start, found.end) == place
+
+
 def test_names_are_known_before_the_checks(tmp_path: Path) -> None:
     session = Session()
     view = session.view(opened(session, tmp_path))

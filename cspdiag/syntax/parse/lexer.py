@@ -107,11 +107,13 @@ class Lexer:
         self._foreign: set[str] = set()
         self.misused: set[str] = set()
         """Keywords that were reported as names."""
+        self.mistakes = 0
+        """How many mistakes were found, also of those that are not reported again."""
         self.kind = END
         self.text = ""
         self.start = 0
         self.end = 0
-        self._before = END, "", 0, 0
+        self._before: tuple[str, str, int, int] = END, "", 0, 0
         self.comments: list[Comment] = []
         self.docs: dict[int, list[Comment]] = {}
 
@@ -119,6 +121,16 @@ class Lexer:
     def before(self) -> Previous:
         """The token before the present one."""
         return Previous(*self._before)
+
+    @property
+    def present(self) -> Previous:
+        """The present token."""
+        return Previous(self.kind, self.text, self.start, self.end)
+
+    def pass_over(self, last: Previous, following: Previous) -> None:
+        """Go to a later token, before which is ``last``."""
+        self._before = last
+        self.kind, self.text, self.start, self.end = following
 
     def advance(self, accepted: dict[str, int]) -> None:
         """Go to the next token; the parser accepts the terminals ``accepted``."""
@@ -192,6 +204,7 @@ class Lexer:
         return bool(self._reported_lines) and self._source.position(offset)[0] in self._reported_lines
 
     def _report_character(self, diagnostic: Diagnostic) -> None:
+        self.mistakes += 1
         self._reported_lines.add(diagnostic.span.line)
         self._report.add(diagnostic)
 
@@ -210,6 +223,7 @@ class Lexer:
         from cspdiag.syntax.parse.ascii_names import ascii_name
 
         self.kind = "NAME"
+        self.mistakes += 1
         if self.text not in self._foreign:
             self._foreign.add(self.text)
             instead = "pi" if self.text == "\N{GREEK SMALL LETTER PI}" else ascii_name(self.text)
