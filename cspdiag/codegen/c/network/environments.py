@@ -18,8 +18,8 @@ from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.laws.linear import LinearStep, linear_steps
 from cspdiag.codegen.c.network.devices import Devices
-from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.network.parameters import parameter_of
+from cspdiag.codegen.c.network.signals import Signals
 from cspdiag.codegen.c.text.code import (
     CSP,
     EQUALITY,
@@ -70,7 +70,7 @@ from cspdiag.codegen.shared.equations import (
     uses_time,
     values,
 )
-from cspdiag.model.types import ArrayType, StructType, Type
+from cspdiag.model.types import Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import TunableValue
@@ -116,9 +116,8 @@ class EnvironmentFiles:
         return Devices(self.environment, self.network, self.names, self.types, self._members)
 
     @cached_property
-    def _simulated(self) -> list[ExternalPort]:
-        """The ports with signals behind them."""
-        return [port for port in self.network.external_ports if port.key not in self._devices.connected]
+    def _ports(self) -> Signals:
+        return Signals(self.name, self.network, self.types, self._members, self._devices)
 
     @cached_property
     def _constants(self) -> list[str]:
@@ -171,14 +170,14 @@ class EnvironmentFiles:
         rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', '#include "types.h"']
         checks = self._devices.checks()
         rows += ['#include "csp_by_hand.h"', "", *checks] if checks else []
-        parts: list[Statement] = [define(f"static struct {self.name}", "present"), *self._transfers()]
+        parts: list[Statement] = [define(f"static struct {self.name}", "present"), *self._ports.transfers()]
         parts += self._devices.transfers()
         if self._in_stages is not None and self._in_stages.derivatives:
             writer = self._writer(self._slopes_printer, at=True)
             parts += self._integration.function(self._slopes_printer, writer)
         parts += [self._evaluate()] if self._results else []
         parts += [self._start(), self._advance(), *self._devices.closing(f"{self.name}_close", self.name)]
-        parts += [self._drivers(), self._table()]
+        parts += [self._ports.drivers(), self._table()]
         for part in parts:
             rows += ["", *lines([part])] if not isinstance(part, Blank) else []
         return "\n".join([*rows, ""])
@@ -190,13 +189,7 @@ class EnvironmentFiles:
         if self.uses_parameters:
             statements.append(define("const struct network *", "program", remark="which has the parameters"))
         system = self._system
-        for port in self._simulated:
-            key = port.key
-            name, type_name = self._members[key], self.types.type_name(port.type)
-            if port.medium == "event":
-                statements.append(define(type_name, f"{name}[2]", remark="present and last"))
-            else:
-                statements.append(define(type_name, name))
+        statements += self._ports.fields()
         if system is not None:
             local = {name for call in self._calls for _, name, _ in call.outputs}
             stored = [(state.name, state.type) for state in system.states]
@@ -288,10 +281,7 @@ class EnvironmentFiles:
                 statements += step.start(printer)
         if self._results:
             statements.append(run(ignored(call(f"{self.name}_evaluate", CSP, "self"))))
-        for port in self._simulated:
-            if port.medium == "event":
-                member = own(self._members[port.key])
-                statements.append(store(member.at(1), member.at(0)))
+        statements += self._ports.starting()
         statements.append(return_value(negated(call("csp_faulted"))))
         return Function(f"static bool {self.name}_start", (KERNEL, _STATE), tuple(statements))
 
@@ -402,66 +392,6 @@ class EnvironmentFiles:
         return Function(
             f"static bool {self.name}_evaluate", (KERNEL, f"struct {self.name} *self"), with_kernel(statements)
         )
-
-    # ---- The simulated devices behind the ports of the program
-
-    def _transfers(self) -> list[Statement]:
-        """Functions that read and write signals, one for each type."""
-        statements: list[Statement] = []
-        done: set[str] = set()
-        for port in self._simulated:
-            name, type_name = self._transfer(port), self.types.type_name(port.type)
-            if name in done:
-                continue
-            done.add(name)
-            if port.direction == "out":
-                copied = store(f"*({type_name} *)device", f"*(const {type_name} *)value")
-                statements.append(Function(f"static void {name}", ("void *device", "const void *value"), (copied,)))
-            elif port.medium != "event":
-                copied = store(f"*({type_name} *)value", f"*(const {type_name} *)device")
-                statements.append(
-                    Function(f"static bool {name}", ("void *device", "void *value"), (copied, return_value("true")))
-                )
-            else:
-                statements.append(self._event_reader(name, type_name, port.type))
-        return statements
-
-    def _event_reader(self, name: str, type_name: str, type_: Type) -> Function:
-        """The function that reads an event port, and returns whether its value has changed since the last call."""
-        present, last = code("signal").at(0), code("signal").at(1)
-        changed: Code = infix("!=", EQUALITY, present, last)
-        if isinstance(type_, StructType | ArrayType):
-            changed = negated(call(f"{self.types.suffix(type_)}_equal", present, last))
-        body = (
-            Remark("The present and the last value: an event is a change."),
-            define(f"{type_name} *const", "signal", "device"),
-            define("const bool", "changed", changed),
-            store(last, present),
-            store(f"*({type_name} *)value", present),
-            return_value("changed"),
-        )
-        return Function(f"static bool {name}", ("void *device", "void *value"), body)
-
-    def _transfer(self, port: ExternalPort) -> str:
-        verb = "write" if port.direction == "out" else "poll" if port.medium == "event" else "read"
-        return f"{verb}_{self.types.suffix(port.type)}"
-
-    def _drivers(self) -> Statement:
-        members: list[tuple[str | None, Code]] = []
-        for name, ports in port_groups(self.network.external_ports):
-            entries = [self._driver(port) for port in ports]
-            value = entries[0] if ports[0].index is None else Aggregate(tuple((None, entry) for entry in entries))
-            members.append((f".{self.types.field(name)}", value))
-        drivers = Aggregate(tuple(members) or ((None, code("0")),))
-        return define("const struct network_drivers", f"{self.name}_drivers", drivers)
-
-    def _driver(self, port: ExternalPort) -> Aggregate:
-        if port.key in self._devices.connected:
-            return self._devices.driver(port)
-        member, function = code("present").field(self._members[port.key]), code(self._transfer(port))
-        device, nothing = member if port.medium == "event" else address(member), code("NULL")
-        parts = (device, nothing, function) if port.direction == "out" else (device, function, nothing)
-        return Aggregate(tuple((None, part) for part in parts))
 
     def _table(self) -> Statement:
         functions = (code(f"{self.name}_start"), code(f"{self.name}_advance"))
