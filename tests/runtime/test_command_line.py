@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
+from random import Random
 
 import pytest
 
 from cspdiag.runtime.kernel.durations import duration_of
+from cspdiag.settings import SettingError, parse_duration
 
 
 @pytest.mark.parametrize(
@@ -15,6 +18,29 @@ from cspdiag.runtime.kernel.durations import duration_of
 )
 def test_durations(text: str, nanoseconds: int) -> None:
     assert duration_of(text) == nanoseconds
+
+
+_FORMATS = ("%d %s", "%d.%d%s", "%d.%de-3 %s", "%d.5 %s", "0.%d e3%s")
+
+
+def test_durations_are_those_of_the_language() -> None:
+    """To the nanosecond: a package must not run longer than ``cspdiag run``, or be tuned at another time."""
+    random = Random(1)
+    texts = ["0.5 ns", "2.5ns", "1e3 ns", "1.0000000005 s", "3 Hz", "7 kHz", "0.3MHz", "0 Hz", "9223372036.854775807 s"]
+    texts += ["9223372036.8547758075 s", "1e30 s", "1e-30 s", "1e999s", "5 h", "", "5", "\u0663 s", "5 s 3 ms"]
+    for _ in range(300):
+        format_ = random.choice(_FORMATS)
+        numbers = [random.randrange(10 ** random.randrange(1, 12)) for _ in range(format_.count("%d"))]
+        texts.append(format_ % (*numbers, random.choice(["ns", "us", "ms", "s", "min", "Hz", "kHz", "MHz"])))
+    for text in texts:
+        assert _or_refused(duration_of, text) == _or_refused(parse_duration, text), text
+
+
+def _or_refused(read: Callable[[str], int], text: str) -> int | str:
+    try:
+        return read(text)
+    except (ValueError, SettingError):
+        return "refused"
 
 
 @pytest.mark.parametrize(
