@@ -125,6 +125,11 @@ class _Finder:
                 process = program.bindings.get(item.process)
                 yield item.process.span, process
                 yield from self._arguments(item.arguments, process)
+                inside = program.scopes[process].names if isinstance(process, ast.ProcessDefinition) else {}
+                for place in item.places:
+                    for instance in place.instances:
+                        placed = inside.get(instance.text)
+                        yield instance.span, placed if isinstance(placed, ast.Instance) else None
             case ast.Assertion():
                 process = program.definitions.get(item.process.text)
                 yield item.process.span, process
