@@ -123,7 +123,8 @@ class _Tools:
         compositions, sample periods. Errors that have exactly one correction have it as `edits`.
         """
         name = self._program(file)
-        found = _json(await self._command("check", "--format", "json", "--", name))
+        done = await self._command("check", "--format", "json", "--", name)
+        found = _json(done.out, done)
         errors = sum(each["severity"] == "error" for each in found)
         text = (await self._command("check", "--format", "text", "--", name)).err if found else "No errors."
         return _result(text, Diagnostics(errors=errors, warnings=len(found) - errors, diagnostics=found))
@@ -138,11 +139,13 @@ class _Tools:
         options = _options(process, settings)
         name = self._program(file)
         limit = ("--time-limit", f"{seconds:g}")
-        done = await self._command(
-            "verify", "--format", "json", *limit, *options, "--", name, seconds=20 * seconds + PATIENCE
-        )
-        answers = _json(done)
-        text = (await self._command("verify", *limit, *options, "--", name, seconds=20 * seconds + PATIENCE)).err
+        with TemporaryDirectory() as folder:
+            data = Path(folder, "answers.json")
+            done = await self._command(
+                "verify", "--json", str(data), *limit, *options, "--", name, seconds=20 * seconds + PATIENCE
+            )
+            answers = _json(data.read_text(encoding="utf-8") if data.exists() else "", done)
+        text = _without_written(done)
         if any("verdict" not in each for each in answers):
             raise ToolError(shortened(text))
         count = {outcome: sum(each["verdict"] == outcome for each in answers) for outcome in _VERDICTS}
@@ -175,7 +178,7 @@ class _Tools:
             )  # fmt: skip
             if done.code == USAGE:
                 raise ToolError(shortened(done.err))
-            lines = [line for line in done.err.splitlines() if not line.strip().startswith("wrote ")]
+            lines = [_without_written(done)]
             if done.code is None:
                 lines.append(f"It was ended because it took more than {seconds:g} s.")
             if done.out:
@@ -257,9 +260,15 @@ def _options(process: str | None, settings: dict[str, str | float] | None) -> li
     return chosen + [word for name, value in (settings or {}).items() for word in ("--set", f"{name}={value}")]
 
 
-def _json(done: Finished) -> list[dict[str, Any]]:
+def _without_written(done: Finished) -> str:
+    """What a command says, except which files it has written: nobody sees those."""
+    return "\n".join(line for line in done.err.splitlines() if not line.strip().startswith("wrote "))
+
+
+def _json(text: str, done: Finished) -> list[dict[str, Any]]:
+    """The data that a command has written."""
     try:
-        found: list[dict[str, Any]] = json.loads(done.out)
+        found: list[dict[str, Any]] = json.loads(text)
     except ValueError:
         raise ToolError(shortened(done.err) or "there was no answer") from None
     return found

@@ -119,6 +119,24 @@ def test_programs_are_checked_proved_and_run(folder: Path) -> None:
     with_client(folder, use)
 
 
+def test_a_proof_is_made_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    carried_out = []
+
+    async def noted(path: Path, *arguments: str, seconds: float) -> commands.Finished:
+        carried_out.append(arguments[0])
+        return await commands.command(path, *arguments, seconds=seconds)
+
+    monkeypatch.setattr("cspdiag.assistants.server.command", noted)
+
+    async def use(client: Client) -> None:
+        found = await client.call_tool("verify", {"file": "stuck.csp", "process": "Both"})
+        assert structured(found)["refuted"] == 1
+        assert "wrote" not in text_of(found)
+
+    with_client(folder, use)
+    assert carried_out == ["verify"]
+
+
 def test_wrong_programs_and_names_get_an_answer(folder: Path) -> None:
     (folder / "wrong.csp").write_text(RELAY.replace("? held", "? hold"))
     (folder / "link.csp").symlink_to(folder.parent / "other.csp")

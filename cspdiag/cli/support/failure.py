@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from cspdiag.base.errors import missing_package
 
 FINE = 0
 UNSUCCESSFUL = 1
@@ -21,6 +25,25 @@ class NoResultError(Exception):
 
 class UsageError(Exception):
     """The command cannot be carried out as given; the message for its user has one line."""
+
+
+@contextmanager
+def needed_packages(extra: str, *packages: str) -> Iterator[None]:
+    """Imports inside need packages of an extra; if one is missing, the command says how to install them."""
+    try:
+        yield
+    except ImportError as problem:
+        if problem.name is None or problem.name.partition(".")[0] not in packages:
+            raise
+        raise UsageError(str(missing_package(packages[0], extra))) from None
+
+
+def require_package(option: str, package: str, extra: str) -> None:
+    """Refuse an option that needs a package which is not installed, before the work instead of after it."""
+    from importlib.util import find_spec
+
+    if find_spec(package) is None:
+        raise UsageError(f'{option} needs {package}: pip install "cspdiag[{extra}]"')
 
 
 def described(problem: OSError) -> str:

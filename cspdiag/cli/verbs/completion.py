@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from cspdiag.base.errors import missing_package
-from cspdiag.cli.support.failure import FINE, UsageError
+from cspdiag.cli.support.failure import FINE, needed_packages
 from cspdiag.cli.support.terminal import write_out
 
 EXAMPLE = (
@@ -24,9 +23,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print the commands."""
-    try:
+    with needed_packages("completion", "argcomplete"):
         from argcomplete.shell_integration import shellcode
-    except ImportError:
-        raise UsageError(str(missing_package("argcomplete", "completion"))) from None
     write_out(shellcode(["cspdiag"], shell=arguments.shell).lstrip())
     return FINE

@@ -5,8 +5,7 @@ from __future__ import annotations
 import sys
 from argparse import ArgumentParser, Namespace
 
-from cspdiag.base.errors import missing_package
-from cspdiag.cli.support.failure import FINE, UsageError
+from cspdiag.cli.support.failure import FINE, needed_packages
 from cspdiag.cli.support.terminal import say
 
 EXAMPLE = "cspdiag lsp        # started by an editor, which talks to it on standard input and output"
@@ -19,12 +18,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Serve until the editor ends the connection."""
-    try:
+    with needed_packages("lsp", "pygls", "lsprotocol"):
         from cspdiag.lsp.requests import serve
-    except ImportError as problem:
-        if problem.name is None or problem.name.split(".")[0] not in {"pygls", "lsprotocol"}:
-            raise
-        raise UsageError(str(missing_package("pygls", "lsp"))) from None
     if sys.stdin.isatty():
         say("this waits for messages of an editor; docs/editors.md has the settings of editors, Ctrl-C ends it")
     serve()

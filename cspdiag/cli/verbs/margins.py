@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source
-from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError, require_package
 from cspdiag.cli.support.files.written import file_path, require_file
 from cspdiag.cli.support.numbers import add_real, number
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
@@ -90,13 +90,10 @@ def run(arguments: Namespace) -> int:
 
 def _check_plot(path: Path | None) -> None:
     """Refuse a picture that could not be made, before the work instead of after it."""
-    from importlib.util import find_spec
-
     if path is None:
         return
     require_file("--plot", path, _KINDS)
-    if find_spec("matplotlib") is None:
-        raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
+    require_package("--plot", "matplotlib", "plot")
 
 
 def _built(arguments: Namespace) -> Built:

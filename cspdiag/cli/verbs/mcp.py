@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 from argparse import ArgumentParser, Namespace
 
-from cspdiag.base.errors import missing_package
-from cspdiag.cli.support.failure import FINE, UsageError
+from cspdiag.cli.support.failure import FINE, UsageError, needed_packages
 
 EXAMPLE = """cspdiag mcp models       # started by an assistant, which talks to it on standard input and output"""
 
@@ -29,11 +28,7 @@ def run(arguments: Namespace) -> int:
     folder = Path(arguments.folder)
     if not folder.is_dir():
         raise UsageError(f"{folder}: there is no such folder")
-    try:
+    with needed_packages("mcp", "mcp", "pydantic"):
         from cspdiag.assistants.server import serve
-    except ImportError as problem:
-        if problem.name is None or problem.name.split(".")[0] not in {"mcp", "pydantic"}:
-            raise
-        raise UsageError(str(missing_package("mcp", "mcp"))) from None
     serve(folder)
     return FINE

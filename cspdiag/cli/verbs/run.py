@@ -6,7 +6,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING
 
 from cspdiag.base.sources import read_source
-from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError, require_package
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
 from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.runs.given_inputs import given_inputs, limited
@@ -133,7 +133,7 @@ def run(arguments: Namespace) -> int:
     named = {f"--{option}": getattr(arguments, option.replace("-", "_")) for option in outputs}
     require_different({"the program": arguments.file, **named})
     if arguments.plot is not None:
-        _require_matplotlib()
+        require_package("--plot", "matplotlib", "plot")
     if arguments.draw_deadlock is not None:
         from cspdiag.cli.support.deadlock_picture import check_picture
 
@@ -199,13 +199,6 @@ def _refuse_unsupported_on_board(arguments: Namespace) -> None:
         raise UsageError(f"--on {arguments.on} needs --target c")
     if arguments.real_time:
         raise UsageError("--real-time is not for --on: an emulated processor has virtual time")
-
-
-def _require_matplotlib() -> None:
-    from importlib.util import find_spec
-
-    if find_spec("matplotlib") is None:
-        raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
 
 
 def _built(arguments: Namespace) -> Built:

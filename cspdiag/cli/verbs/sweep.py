@@ -8,7 +8,7 @@ from contextlib import closing, nullcontext
 from typing import TYPE_CHECKING
 
 from cspdiag.base.sources import read_source
-from cspdiag.cli.support.failure import FINE, INTERRUPTED, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.failure import FINE, INTERRUPTED, UNSUCCESSFUL, NoResultError, UsageError, require_package
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
 from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
@@ -109,8 +109,6 @@ def _several_programs(plan: Plan) -> str:
 
 def _check_outputs(arguments: Namespace) -> None:
     """Refuse what could not be written, before the work instead of after it."""
-    from importlib.util import find_spec
-
     from cspdiag.sweep.table import ENDINGS
 
     require_file("-o", arguments.output, ENDINGS)
@@ -118,10 +116,10 @@ def _check_outputs(arguments: Namespace) -> None:
     require_different({"the program": arguments.file, "-o": arguments.output, "--plot": arguments.plot})
     if arguments.resume and arguments.output is None:
         raise UsageError("--resume continues a sweep with -o FILE, next to which its results are")
-    if arguments.output is not None and arguments.output.suffix == ".parquet" and find_spec("pyarrow") is None:
-        raise UsageError('-o FILE.parquet needs pyarrow: pip install "cspdiag[parquet]"')
-    if arguments.plot is not None and find_spec("matplotlib") is None:
-        raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
+    if arguments.output is not None and arguments.output.suffix == ".parquet":
+        require_package("-o FILE.parquet", "pyarrow", "parquet")
+    if arguments.plot is not None:
+        require_package("--plot", "matplotlib", "plot")
 
 
 def _planned(arguments: Namespace) -> Plan:

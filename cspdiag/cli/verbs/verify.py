@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 from cspdiag.arguments import LONGEST_LIMIT
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.standard_streams import standard_error
-from cspdiag.cli.support.diagnostic_formats import FORMATS
+from cspdiag.cli.support.diagnostic_formats import FORMATS, rendered_diagnostics
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.output import replace_text
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
 from cspdiag.cli.support.numbers import add_real, positive
-from cspdiag.cli.support.proofs.answers import refused, rendered_answers
+from cspdiag.cli.support.proofs.answers import answers_as_json, refused, rendered_answers
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
 
 if TYPE_CHECKING:
@@ -67,6 +67,7 @@ def add_arguments(parser: ArgumentParser) -> None:
             "prints, on standard output (default: text)"
         ),
     )  # fmt: skip
+    parser.add_argument("--json", type=file_path, metavar="FILE", help="also write to FILE what --format json prints")
     parser.add_argument(
         "--trace-out", type=file_path, metavar="FILE", help="the first counterexample, for run --replay"
     )
@@ -101,7 +102,9 @@ def run(arguments: Namespace) -> int:
     if arguments.engine == "spin" and arguments.method is not None:
         raise UsageError("--method is for the prover of cspdiag: --engine spin has its own (leave one of them out)")
     require_file("--trace-out", arguments.trace_out)
-    require_different({"the program": arguments.file, "--trace-out": arguments.trace_out, "--draw": arguments.draw})
+    require_file("--json", arguments.json)
+    written = {"--trace-out": arguments.trace_out, "--draw": arguments.draw, "--json": arguments.json}
+    require_different({"the program": arguments.file, **written})
     if arguments.draw is not None:
         from cspdiag.cli.support.deadlock_picture import check_picture
 
@@ -116,23 +119,29 @@ def run(arguments: Namespace) -> int:
         obligations = _find_obligations(arguments, cache.read)
         found = obligations.checked.report.diagnostics
         if obligations.checked.report.has_errors:
+            _write_json(arguments, rendered_diagnostics(found, "json", [], colour=False)[0])
             return refused(found, arguments)
         answers = _answers(obligations, arguments, cache.read)
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
-        printed = Printed(code, *rendered_answers(answers, found, arguments))
+        printed = Printed(code, *rendered_answers(answers, found, arguments), answers_as_json(answers))
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
             cache.store(printed)
     write_out(printed.stdout)
     put(printed.stderr)
+    _write_json(arguments, printed.json)
     if obligations is not None:
         _write_trace(arguments, answers)
         _draw(arguments, answers, obligations)
     return printed.code
 
 
+_IRRELEVANT = frozenset({"no_cache", "trace_out", "draw", "json"})
+"""The options on which what is printed does not depend."""
+
+
 def _relevant_options(arguments: Namespace) -> dict[str, object]:
     """The options on which the output depends."""
-    settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out", "draw"}}
+    settled = {name: value for name, value in vars(arguments).items() if name not in _IRRELEVANT}
     return {**settled, "color": wants_colour(arguments.color, standard_error()), "folder": os.getcwd()}
 
 
@@ -179,6 +188,12 @@ def _answers(obligations: ProofObligations, arguments: Namespace, read: Reader) 
         return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in obligations.questions]
     except VerificationError as problem:
         raise NoResultError(str(problem)) from None
+
+
+def _write_json(arguments: Namespace, text: str) -> None:
+    if arguments.json is not None:
+        replace_text(str(arguments.json), text)
+        _report_written(arguments, arguments.json)
 
 
 def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:

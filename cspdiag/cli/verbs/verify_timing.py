@@ -49,6 +49,7 @@ def _check_options(arguments: Namespace) -> None:
         "--engine": spin,
         "--trace-out": arguments.trace_out,
         "--draw": arguments.draw,
+        "--json": arguments.json,
     }
     for option, value in unused.items():
         if value is not None:

@@ -184,6 +184,27 @@ def test_json_has_everything(cspdiag: Command, refuted: Path) -> None:
     assert answer["suggestions"][0]["replacement"] == "ask ! 1 ; reply ? value"
 
 
+def test_json_is_also_written_to_a_file(cspdiag: Command, refuted: Path, tmp_path: Path) -> None:
+    written = tmp_path / "answers.json"
+    first = cspdiag("verify", refuted, "--json", written)
+    assert "REFUTED  Both deadlock free" in first.err
+    assert f"wrote {written}" in first.err
+    assert json.loads(written.read_text())[0]["verdict"] == "refuted"
+    text = written.read_text()
+    written.unlink()
+    assert cspdiag("verify", refuted, "--json", written) == first
+    assert written.read_text() == text
+    again = json.loads(cspdiag("verify", refuted, "--format", "json").out)
+    assert [each["counterexample"] for each in again] == [each["counterexample"] for each in json.loads(text)]
+
+
+def test_errors_are_written_to_that_file_too(cspdiag: Command, tmp_path: Path) -> None:
+    path, written = tmp_path / "bad.csp", tmp_path / "answers.json"
+    path.write_text(BAD)
+    assert cspdiag("verify", path, "--json", written).code == 1
+    assert written.read_text() == cspdiag("check", path, "--format", "json").out
+
+
 def test_junit_has_a_test_for_each_assertion(cspdiag: Command, refuted: Path, proved: Path) -> None:
     suite = ElementTree.fromstring(cspdiag("verify", refuted, "--format", "junit").out)[0]
     assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("1", "1", "0")

@@ -39,9 +39,7 @@ def rendered_answers(
     _, before = rendered_diagnostics(warnings, "text", [], colour=colour)
     match arguments.format:
         case "json":
-            from cspdiag.proofs.answers.json import render as render_json
-
-            return render_json(answers), before
+            return answers_as_json(answers), before
         case "junit":
             from cspdiag.proofs.answers.junit import render as render_junit
 
@@ -52,3 +50,10 @@ def rendered_answers(
             return "", before + render_text(answers, colour=colour, quiet=arguments.quiet)
         case format_:
             raise AssertionError(f"answers have no format {format_!r}")
+
+
+def answers_as_json(answers: Sequence[Answer]) -> str:
+    """The answers as data."""
+    from cspdiag.proofs.answers.json import render
+
+    return render(answers)

@@ -21,11 +21,12 @@ from cspdiag.base.span import SourceFile
 
 @record
 class Printed:
-    """The output of a run of ``verify``, and its exit code."""
+    """The output of a run of ``verify``, its exit code, and the answers as data."""
 
     code: int
     stdout: str
     stderr: str
+    json: str
 
 
 class Cache:
@@ -46,7 +47,7 @@ class Cache:
         try:
             entry = read_json(self._path().read_text(encoding="utf-8"))
             unchanged = all(_digest(read_source(path).text) == digest for path, digest in entry["files"].items())
-            return Printed(entry["code"], entry["stdout"], entry["stderr"]) if unchanged else None
+            return Printed(entry["code"], entry["stdout"], entry["stderr"], entry["json"]) if unchanged else None
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return None
 
@@ -57,6 +58,7 @@ class Cache:
             "code": printed.code,
             "stdout": printed.stdout,
             "stderr": printed.stderr,
+            "json": printed.json,
         }
         with suppress(OSError):
             path = self._path()
