@@ -168,10 +168,18 @@ def encoded(value: Any) -> str:
     return json.dumps(value)
 
 
+def parsed(text: str | bytes) -> Any:
+    """A value from JSON. Raises ValueError for other text, and for what is nested too deeply."""
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+
+
 def decoded(text: str | bytes) -> Any:
     """A value from JSON; other text is returned as it is, and refused by the port that it is for."""
     try:
-        return json.loads(text)
+        return parsed(text)
     except ValueError:
         return text if isinstance(text, str) else text.decode("utf-8", "backslashreplace")
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .failure import DeviceError
-from .messages import SECOND, MessageDevice, Receiver, Use, shortened
+from .messages import SECOND, MessageDevice, Receiver, Use, parsed, shortened
 
 
 class Udp(MessageDevice):
@@ -75,7 +75,7 @@ class Udp(MessageDevice):
         if self._outputs is not None:
             return self._outputs.unpacked(data)
         try:
-            values = json.loads(data)
+            values = parsed(data)
         except ValueError:
             values = None
         if not isinstance(values, dict):
@@ -97,13 +97,14 @@ class _Packed:
 
     def __init__(self, format_: str, ports: Mapping[str, Use] | Sequence[str], parameter: str) -> None:
         self._ports = tuple(ports)
+        self._parameter = f'{parameter} "{format_}"'
         try:
             self._struct = struct.Struct(format_)
             count = len(self._struct.unpack(bytes(self._struct.size)))
         except struct.error as error:
-            raise DeviceError(f'{parameter} "{format_}": {error}') from None
+            raise DeviceError(f"{self._parameter}: {error}") from None
         if count != len(self._ports):
-            raise DeviceError(f'{parameter} "{format_}" has {count} values for {len(self._ports)} ports')
+            raise DeviceError(f"{self._parameter} has {count} values for {len(self._ports)} ports")
 
     def unpacked(self, data: bytes) -> dict[str, Any]:
         """The values by port. Raises DeviceError for data of another size."""
@@ -112,8 +113,12 @@ class _Packed:
         return dict(zip(self._ports, self._struct.unpack(data), strict=True))
 
     def packed(self, values: Mapping[str, Any]) -> bytes:
-        """The values of all ports."""
-        return self._struct.pack(*(values[port] for port in self._ports))
+        """The values of all ports. Raises DeviceError for one that does not fit its place."""
+        try:
+            return self._struct.pack(*(values[port] for port in self._ports))
+        except (struct.error, OverflowError) as error:
+            listed = ", ".join(f"{port} = {values[port]!r}" for port in self._ports)
+            raise DeviceError(f"{self._parameter} does not take {listed}: {error}; choose wider types") from None
 
 
 def _place(text: str) -> tuple[str, int]:

@@ -14,6 +14,8 @@ from typing import Any
 import pytest
 
 import cspdiag
+from cspdiag.devices.failure import DeviceError
+from cspdiag.devices.udp import Udp
 from tests.devices.echoing import DECLARED, Peer, converse, failure, program, run
 
 PARAMETERS = (
@@ -140,6 +142,10 @@ def test_a_misspelt_name_is_reported_with_those_that_came() -> None:
         (b"hello", """: DeviceError: received b'hello', which is no JSON object such as {"x": 0.5}"""),
         (b'{"level": "high"}', "failed to read at port Main.level: TypeError: 'high' is not a number"),
         (b'{"go": 0.5}', "failed to read at port Main.go: TypeError: 0.5 is no integer"),
+        (b'{"level": ' + 3000 * b"[", """[[[[[..., which is no JSON object such as {"x": 0.5}"""),
+        (b'{"level": ' + 900 * b"[" + 900 * b"]" + b"}", "Main.level: TypeError: [[[[[[[...]]]]]]] is not a number"),
+        (b'{"level": ' + 400 * b"1" + b"}", "Main.level: Fault: LONG is too large for double precision"),
+        (b'{"go": "' + 5000 * b"x" + b'"}', "TypeError: 'TEXT' is no integer"),
     ],
 )
 def test_nonsense_ends_the_run_with_its_outputs_released(data: bytes, account: str) -> None:
@@ -152,6 +158,7 @@ def test_nonsense_ends_the_run_with_its_outputs_released(data: bytes, account: s
                 other.sendto(data, ("127.0.0.1", port))
 
         result = run(program(DRIVER, f"port = {port}"), script)
+    account = account.replace("LONG", f"{18 * '1'}...{19 * '1'}").replace("TEXT", f"{27 * 'x'}...{28 * 'x'}")
     assert failure(result).endswith(account)
     assert result["valve"][-1] == -1
 
@@ -167,6 +174,16 @@ def test_a_format_that_does_not_fit_its_ports_is_refused_before_the_run() -> Non
     text = program(DRIVER, 'port = 0, out_format = "<ddd"')
     with pytest.raises(cspdiag.BodyError, match='out_format "<ddd" has 3 values for 2 ports'):
         cspdiag.parse(text).run(real_time=True, until="1 s")
+
+
+def test_a_value_that_does_not_fit_its_place_in_a_structure_is_refused() -> None:
+    device = Udp({}, ["valve"], to="127.0.0.1:9", in_format="<f")
+    device.open()
+    try:
+        with pytest.raises(DeviceError, match=r'in_format "<f" does not take valve = 1e\+300: .*; choose wider types'):
+            device.write("valve", 1e300)
+    finally:
+        device.close()
 
 
 def test_it_refuses_virtual_time() -> None:

@@ -8,6 +8,7 @@ numpy need not be imported for that.
 from __future__ import annotations
 
 import operator
+import reprlib
 from collections.abc import Callable
 from enum import IntEnum
 from functools import partial
@@ -20,7 +21,10 @@ from ..kernel.exceptions import Fault
 Enumerator = TypeVar("Enumerator", bound=IntEnum)
 
 Accept: TypeAlias = Callable[[Any], Any]
-"""Raises TypeError, ValueError, OverflowError or Fault for what is not a value of the type."""
+"""Raises TypeError, ValueError or Fault for what is not a value of the type."""
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 60
 
 
 def double(value: Any) -> float:
@@ -28,8 +32,11 @@ def double(value: Any) -> float:
     if type(value) is float:
         return value
     if _kind(value) not in ("", "i", "u", "f") or not hasattr(type(value), "__float__"):
-        raise TypeError(f"{value!r} is not a number")
-    return float(value)
+        raise TypeError(f"{_shown(value)} is not a number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise Fault(f"{_shown(value)} is too large for double precision") from None
 
 
 def single(value: Any) -> float:
@@ -60,7 +67,7 @@ def boolean(value: Any) -> bool:
     """True or False, or the integers 1 or 0."""
     if _kind(value) == "b" or (_is_integer(value) and operator.index(value) in (0, 1)):
         return bool(value)
-    raise TypeError(f"{value!r} is neither True nor False")
+    raise TypeError(f"{_shown(value)} is neither True nor False")
 
 
 def integer(of: Callable[[int], int]) -> Accept:
@@ -71,7 +78,7 @@ def integer(of: Callable[[int], int]) -> Accept:
 def take_integer(of: Callable[[int], int], value: Any) -> int:
     """See ``integer``."""
     if not _is_integer(value):
-        raise TypeError(f"{value!r} is no integer")
+        raise TypeError(f"{_shown(value)} is no integer")
     return of(operator.index(value))
 
 
@@ -83,14 +90,14 @@ def enumeration(of: type[Enumerator]) -> Callable[[Any], Enumerator]:
 def take_member(of: type[Enumerator], value: Any) -> Enumerator:
     """See ``enumeration``."""
     if not _is_integer(value):
-        raise TypeError(f"{value!r} is no {of.__name__}")
+        raise TypeError(f"{_shown(value)} is no {of.__name__}")
     return of(operator.index(value))
 
 
 def text(value: Any) -> str:
     """A text."""
     if not isinstance(value, str):
-        raise TypeError(f"{value!r} is no text")
+        raise TypeError(f"{_shown(value)} is no text")
     return value
 
 
@@ -116,6 +123,11 @@ def take_fields(made: Callable[..., Any], fields: tuple[Accept, ...], value: Any
     return made(*[field(part) for field, part in zip(fields, parts, strict=True)])
 
 
+def _shown(value: Any) -> str:
+    """A value for a message: not all of it if it is long, or nested deeply."""
+    return _SHORT.repr(value)
+
+
 def _kind(value: Any) -> str:
     """The kind of a value of numpy: ``b`` for True and False, ``i``, ``u`` and ``f`` for numbers, others for anything
     else; empty for a value whose class decides.
@@ -138,5 +150,5 @@ def _parts(value: Any, size: int) -> list[Any]:
     ordered = hasattr(type(value), "__iter__") and hasattr(type(value), "__getitem__")
     parts = list(value) if ordered and not isinstance(value, str | bytes | dict) else None
     if parts is None or len(parts) != size:
-        raise TypeError(f"{value!r} is no sequence of {size} values")
+        raise TypeError(f"{_shown(value)} is no sequence of {size} values")
     return parts

@@ -83,7 +83,7 @@ def test_a_value_is_made_one_of_the_type(accepts: Any, given: Any, value: Any) -
         (single, 1e39, Fault),
         (single, -1e39, Fault),
         (double, [1.0], TypeError),
-        (double, 10**400, OverflowError),
+        (double, 10**400, Fault),
         (boolean, 2, TypeError),
         (boolean, 1.0, TypeError),
         (boolean, None, TypeError),

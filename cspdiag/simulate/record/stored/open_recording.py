@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cspdiag.simulate.record.stored.described import RecordedPort
 from cspdiag.simulate.record.stored.mcap_reader import open_mcap
-from cspdiag.simulate.record.stored.recording import RecordingError, StoredRecording
+from cspdiag.simulate.record.stored.recording import RecordingError, StoredRecording, reading
 from cspdiag.simulate.record.stored.tables import open_archive, open_parquet, open_table
 
 
@@ -16,6 +16,11 @@ def open_recording(path: str, ports: Sequence[RecordedPort] | None = None) -> St
 
     Raises RecordingError, MissingPackageError, and OSError.
     """
+    with reading(path):
+        return _opened(path, ports)
+
+
+def _opened(path: str, ports: Sequence[RecordedPort] | None) -> StoredRecording:
     if os.path.isdir(path):
         return _opened_bag(path)
     ending = os.path.splitext(path)[1]

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import struct
+import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.errors import CspdiagError
@@ -25,6 +29,21 @@ class InputsError(CspdiagError):
     """A recording does not have what the inputs or the parameters of a program need; the message names both."""
 
 
+@contextmanager
+def reading(path: str) -> Iterator[None]:
+    """Raises RecordingError for what a file that is damaged, or was made by somebody else, makes its reader raise."""
+    try:
+        yield
+    except _OF_DAMAGED_FILES as problem:
+        raise RecordingError(f"{path} is damaged: {problem or type(problem).__name__}") from problem
+
+
+_OF_DAMAGED_FILES = (
+    *(ValueError, LookupError, TypeError, OverflowError, RuntimeError, MemoryError, EOFError),
+    *(struct.error, zlib.error, zipfile.BadZipFile),
+)
+
+
 @record
 class StoredRecording:
     """``read`` gives the blocks of the ports at some positions, part by part: each part has what comes after the parts
@@ -45,8 +64,9 @@ class StoredRecording:
     __hash__ = object.__hash__
 
     def blocks(self, positions: Sequence[int] | None = None) -> Iterator[Sequence[Block]]:
-        """The values of the ports at these positions, or of all."""
-        return self.read(range(len(self.head.ports)) if positions is None else positions)
+        """The values of the ports at these positions, or of all. Raises RecordingError if they are damaged."""
+        with reading(self.path):
+            yield from self.read(range(len(self.head.ports)) if positions is None else positions)
 
     def values(self, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:
         """All instants in nanoseconds and all values of a port."""

@@ -167,7 +167,7 @@ class _Table:
                     if len(cells) != width:
                         raise ValueError(f"{len(cells)} cells, and there are {width} columns")
                     part.append((round(float(cells[0]) * 1e9), cells))
-                except ValueError as problem:
+                except (ValueError, OverflowError) as problem:
                     raise RecordingError(f"{self._path}:{number}: is no row of a recording: {problem}") from None
                 if len(part) == _ROWS:
                     yield part
@@ -204,9 +204,10 @@ class _Table:
             last[position] = before
         try:
             numbers = [numpy.array([_number(cells[at], kind) for cells in kept]) for at, (_, kind) in enumerate(own)]
-        except ValueError as problem:
+            values = assembled(numbers, port.type, len(kept))
+        except (ValueError, OverflowError) as problem:
             raise RecordingError(f"{self._path}: column {port.name} is no {port.type}: {problem}") from None
-        return Block(position, numpy.array(times, numpy.int64), assembled(numbers, port.type, len(kept)))
+        return Block(position, numpy.array(times, numpy.int64), values)
 
 
 def _number(cell: str, kind: Type) -> Any:

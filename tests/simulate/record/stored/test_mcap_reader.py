@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy
 import pytest
 
-from cspdiag.model.types import DOUBLE
+from cspdiag.model.types import DOUBLE, INT
 from cspdiag.simulate.record.stored.described import RecordedPort, RecordingHead
 from cspdiag.simulate.record.stored.mcap_reader import open_mcap
+from cspdiag.simulate.record.stored.open_recording import open_recording
 from cspdiag.simulate.record.stored.recording import RecordingError
 from cspdiag.simulate.record.streamed.blocks import Block
+from cspdiag.simulate.record.streamed.formats import open_writer
 from cspdiag.simulate.record.streamed.mcap.mcap_file import McapRecording
 from cspdiag.simulate.record.streamed.part_file import PartFile
 
@@ -69,3 +71,29 @@ def test_what_is_no_recording_is_refused(tmp_path: Path, data: bytes) -> None:
     path.write_bytes(data)
     with pytest.raises(RecordingError, match=r"other\.mcap is"):
         open_mcap(str(path))
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("run.mcap", b'"process"', b'"pro\xffess"'),
+        ("run.mcap", b'{"value":', 9 * b"["),
+        ("run.csv", b"0.003,", b"inf,"),
+        ("run.csv", b"0.003,", b"1e300,"),
+        ("run.csv", b"0.003,3", b"0.003," + 400 * b"3"),
+    ],
+)
+def test_a_file_that_is_damaged_or_made_by_somebody_else_is_refused_with_its_name(
+    tmp_path: Path, name: str, old: bytes, new: bytes
+) -> None:
+    path = tmp_path / name
+    head = RecordingHead("Main", "Bench", "main.csp", (RecordedPort("count", INT, "in", 1_000_000),))
+    time = numpy.arange(1, VALUES) * 1_000_000
+    writer = open_writer(str(path), head, "json")
+    writer.write([Block(0, time, time // 1_000_000)])
+    writer.close("terminated", 30_000_000)
+    data = path.read_bytes()
+    assert old in data
+    path.write_bytes(data.replace(old, new))
+    with pytest.raises(RecordingError, match=name):
+        open_recording(str(path), head.ports if name == "run.csv" else None).values("count")
