@@ -54,6 +54,9 @@ class Spelling:
     run: set[str] = field(default_factory=set)
     """Which of ``scheduler``, ``queue`` and ``observe`` of the run the code uses."""
 
+    kept: set[str] = field(default_factory=set)
+    """Local variables that keep their values from one run of a law to the next, besides its states."""
+
     def __post_init__(self) -> None:
         self.members = Members(self.process, self.network)
         names = self.names = self.members.names
@@ -156,8 +159,12 @@ class Spelling:
 
     def shared(self) -> frozenset[str]:
         """Local variables that a nested function has to declare in order to assign them."""
-        return frozenset(self._variables.values()) | frozenset(
-            spelled for name, spelled in self.signals.items() if name in self.states and not self.runs_again
+        return (
+            frozenset(self._variables.values())
+            | frozenset(self.kept)
+            | frozenset(
+                spelled for name, spelled in self.signals.items() if name in self.states and not self.runs_again
+            )
         )
 
     def local_declarations(self) -> Iterable[tuple[str, str]]:

@@ -9,10 +9,14 @@ from math import ceil
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import NANOSECONDS, FastPrinter
+from cspdiag.codegen.python.fast.laws.following import Following, following_apart
 from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, is_test, refused_unless_all_finite
 from cspdiag.codegen.python.plain.external import ExternalModules, taken
 from cspdiag.codegen.python.text.code import (
+    COMPARISON,
+    NONE,
+    OR,
     PRODUCT,
     Argument,
     Call,
@@ -23,14 +27,17 @@ from cspdiag.codegen.python.text.code import (
     call,
     counted_to,
     infix,
+    infix_all,
 )
 from cspdiag.codegen.python.text.names import Names, identifier
-from cspdiag.codegen.python.text.statements import For, Statement, assign
-from cspdiag.codegen.python.text.types import real
+from cspdiag.codegen.python.text.statements import Assign, For, Statement, assign, if_
+from cspdiag.codegen.python.text.types import annotation, real
 from cspdiag.codegen.shared.equations import changes, defined, read_after_change
+from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
+from cspdiag.network.ir.expressions import TunableValue
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import ProcessClass, SubmodelState
 
@@ -55,8 +62,10 @@ class InlineLaw:
 
     def prologue(self) -> Iterable[Statement]:
         """What is computed once, before the first run and after the constants of the class: the sub-step, if it is not
-        known.
+        known; and that nothing has been computed from parameters of the program yet.
         """
+        for parameter, present in zip(self._following.parameters, self._present, strict=True):
+            yield Assign(present, NONE, annotation=f"{annotation(parameter.type, self.printer.imports)} | None")
         if not self._continuous or isinstance(self._sample, float):
             return
         step = self._sub_step
@@ -76,7 +85,8 @@ class InlineLaw:
         """One run: the equations, then the integration, then the next values, each computed from the states before the
         run.
         """
-        yield from self._equations()
+        yield from self._followed()
+        yield from self._equations(self._following.law.equations)
         moved: list[Statement] = []
         if self._continuous:
             yield from self._integrated(moved)
@@ -86,18 +96,80 @@ class InlineLaw:
         changed: set[str] = set()
 
         def late(name: str) -> Code:
-            return Name(before[name]) if name in before and name in changed else self.printer.signal(name)
+            return Name(before[name]) if name in before and name in changed else self._printer.signal(name)
 
         printer = replace(self.printer, signal=late)
-        for name, value in self.law.next_values:
+        for name, value in self._following.law.next_values:
             yield from assigned(self.printer.signal(name), printer, value, self._place_of_state(name))
             changed.add(name)
         yield from moved
 
-    def _equations(self) -> Iterable[Statement]:
-        """The equations, and tests of those that must be finite, together as far as no other fault can come between."""
+    # What follows parameters of the program
+
+    @cached_property
+    def _following(self) -> Following:
+        return following_apart(self.law, frozenset(item.name for item in self.class_.constants))
+
+    @cached_property
+    def _present(self) -> list[Code]:
+        """Of each parameter that the law uses the value from which the rest was computed, as a local variable."""
+        return [Name(self.names.fresh(f"{self.law.law}_{item.name}")) for item in self._following.parameters]
+
+    @cached_property
+    def _terms(self) -> dict[str, Code]:
+        """The local variable of each term; for one that is a parameter, the variable with its value."""
+        following = self._following
+        present = dict(zip(following.parameters, self._present, strict=True))
+        return {
+            term.name: present[term.value]
+            if isinstance(term.value, TunableValue)
+            else Name(self.names.fresh(term.name.rpartition(" ")[0]))
+            for term in following.terms
+        }
+
+    @cached_property
+    def _computed_terms(self) -> list[SubmodelEquation]:
+        return [term for term in self._following.terms if not isinstance(term.value, TunableValue)]
+
+    @cached_property
+    def _printer(self) -> FastPrinter:
+        """Prints expressions with terms that follow parameters."""
+        return replace(self.printer, signal=lambda name: self._terms.get(name) or self.printer.signal(name))
+
+    def kept(self) -> Iterator[tuple[str, Type]]:
+        """The further local variables that keep their values from one run to the next."""
+        following = self._following
+        for item in following.equations:
+            yield self.printer.signal(item.name).flat, item.type
+        for term in self._computed_terms:
+            yield self._terms[term.name].flat, term.type
+
+    def present(self) -> Iterator[str]:
+        """The local variables that tell whether a parameter has changed."""
+        return (name.flat for name in self._present)
+
+    def _followed(self) -> Iterator[Statement]:
+        """Compute what follows parameters of the program again, if one of them has changed."""
+        following = self._following
+        if not following.parameters:
+            return
+        values = [self.printer.print(item) for item in following.parameters]
+        pairs = list(zip(values, self._present, strict=True))
+        changed = [infix("is not", COMPARISON, value, present) for value, present in pairs]
+        terms = (assign(self._terms[item.name], self.printer.print(item.value)) for item in self._computed_terms)
+        yield if_(
+            infix_all("or", OR, changed),
+            *self._equations(following.equations),
+            *terms,
+            *(assign(present, value) for value, present in pairs),
+        )
+
+    # One run
+
+    def _equations(self, equations: Iterable[SubmodelEquation | ExternalCall]) -> Iterable[Statement]:
+        """Equations, and tests of those that must be finite, together as far as no other fault can come between."""
         untested: list[tuple[Code, str | None]] = []
-        for equation in self.law.equations:
+        for equation in equations:
             if isinstance(equation, ExternalCall):
                 yield from refused_unless_all_finite(untested, self.printer.imports)
                 untested = []
@@ -109,7 +181,7 @@ class InlineLaw:
             if may_fault(computed):
                 yield from refused_unless_all_finite(untested, self.printer.imports)
                 untested = []
-            yield from assigned(target, self.printer, computed, place)
+            yield from assigned(target, self._printer, computed, place)
             if is_tested:
                 untested.append((target, place))
         yield from refused_unless_all_finite(untested, self.printer.imports)
@@ -120,7 +192,7 @@ class InlineLaw:
         return [self.printer.signal(item.name) for item in equations if is_test(item.value)]
 
     def _called(self, item: ExternalCall) -> Iterator[Statement]:
-        given = tuple(Argument(self.printer.print(value), identifier(port)) for port, value in item.inputs)
+        given = tuple(Argument(self._printer.print(value), identifier(port)) for port, value in item.inputs)
         calculated = Call(self.printer.signal(item.name).field("calculate"), given)
         outputs = [(self.printer.signal(local), type_) for _, local, type_ in item.outputs]
         return taken(outputs, calculated, self.printer.imports, self.place(item))
@@ -174,11 +246,11 @@ class InlineLaw:
             yield assign(copy, self.printer.signal(name))
         inline = InlineIntegration(
             states=self._continuous,
-            equations=self.law.derivative_equations,
-            derivatives=dict(self.law.derivatives),
+            equations=self._following.law.derivative_equations,
+            derivatives=dict(self._following.law.derivatives),
             changes=self._changes,
             method=self.law.method,
-            printer=self.printer,
+            printer=self._printer,
             local=local.__getitem__,
             names=self.names,
             place=self.place,

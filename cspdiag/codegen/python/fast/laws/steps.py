@@ -11,7 +11,8 @@ from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.fast.values import Values
 from cspdiag.codegen.python.text.code import Code, Constant, Name, call
 from cspdiag.codegen.python.text.literals import quoted
-from cspdiag.codegen.python.text.statements import RAISE, Block, Statement, assign, if_, run, try_
+from cspdiag.codegen.python.text.statements import RAISE, Block, Declare, Statement, assign, if_, run, try_
+from cspdiag.codegen.python.text.types import annotation
 from cspdiag.network.ir.actions import Action, End, ReadInputs, RunLaw, WriteOutputs
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import LiteralValue, ParameterValue, SignalValue
@@ -36,6 +37,7 @@ class LawSteps(Values):
                     inner += self._write_outputs(step)
                 case RunLaw():
                     inline = self._inline_law(step)
+                    self._declare_kept(inline)
                     self.prologue += inline.prologue()
                     inner += inline.statements()
                     self.communications.finite = frozenset(inline.finite_signals())
@@ -54,6 +56,14 @@ class LawSteps(Values):
         yield try_(*inner)
         yield Block("except", Name("Exception"), (leave, *blamed), bound=error.text)
         yield leave
+
+    def _declare_kept(self, inline: InlineLaw) -> None:
+        """Declare the local variables that keep their values from one run to the next, each once."""
+        for name, type_ in inline.kept():
+            if name not in self.spelling.kept:
+                self.spelling.kept.add(name)
+                self.prologue.append(Declare(Name(name), annotation(type_, self.imports)))
+        self.spelling.kept.update(inline.present())
 
     def executes(self, part: Code) -> Statement:
         """From now on the task executes ``part``."""
