@@ -4,9 +4,10 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 MODEL  := models/jiwy/jiwy.csp
+VSCODE := editors/vscode
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test hunt check bench fmt docs pictures cases grammar clean
+.PHONY: help setup run test hunt check bench fmt docs pictures cases grammar vscode test-vscode clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -72,6 +73,13 @@ cases: $(VENV)/.stamp-dev ## Rewrite the expectations of the literate cases; rea
 grammar: ## Generate the parser for editors; needs tree-sitter-cli 0.26 and node
 	cd editors/tree-sitter-csp && tree-sitter generate --abi 14
 
+vscode: $(VSCODE)/node_modules/.stamp ## Pack the extension for VS Code: editors/vscode/build/cspdiag.vsix; needs node and npm
+	cd $(VSCODE) && npm run --silent check && npm run --silent package
+
+test-vscode: $(VENV)/.stamp-dev $(VSCODE)/node_modules/.stamp $(VSCODE)/test/e2e/node_modules/.stamp ## Test that extension in code-server (300 MB by npm) and chromium
+	cd $(VSCODE) && npm run --silent check
+	$(BIN)/pytest -rs tests/editors/test_vscode.py
+
 clean: ## Remove .venv, build/ and the caches
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
@@ -91,6 +99,17 @@ $(VENV)/.stamp-dev: pyproject.toml | $(VENV)/bin/python
 # What pip's build hook could not fetch is tried again, and the reason is printed.
 third-party/VERSIONS: distribution/third_party.py | $(VENV)/.stamp-dev
 	@$(BIN)/python distribution/third_party.py && touch -c $@ || true
+
+$(VSCODE)/node_modules/.stamp: $(VSCODE)/package-lock.json
+	cd $(VSCODE) && npm ci --no-audit --no-fund
+	@touch $@
+
+# Its own scripts would also fetch from GitHub, as root only if forced, what the test does without: Kerberos, full-text search.
+CODE_SERVER := $(VSCODE)/test/e2e/node_modules/code-server/lib/vscode
+$(VSCODE)/test/e2e/node_modules/.stamp: $(VSCODE)/test/e2e/package-lock.json
+	cd $(VSCODE)/test/e2e && npm ci --ignore-scripts --no-audit --no-fund && npm_config_build_from_source=true npm rebuild argon2
+	cd $(CODE_SERVER) && npm install --ignore-scripts --omit=dev --no-audit --no-fund && npm_config_yes=true npm rebuild node-pty @vscode/spdlog native-watchdog
+	@touch $@
 
 $(VENV)/.stamp-bench: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'

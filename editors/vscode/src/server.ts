@@ -1,0 +1,219 @@
+/** The language server: found, started, restarted when it ends by itself. */
+
+import { existsSync } from "node:fs";
+import { homedir } from "node:os";
+import * as path from "node:path";
+import * as vscode from "vscode";
+import { CloseAction, ErrorAction, LanguageClient, State, Trace } from "vscode-languageclient/node";
+import type { Found, Surroundings } from "./find";
+import { find } from "./find";
+import { install, REQUIREMENT } from "./install";
+import type { Problem } from "./probe";
+import { problemOf } from "./probe";
+import { Restarts } from "./restarts";
+
+export class Server implements vscode.Disposable {
+  private client: LanguageClient | undefined;
+  private found: Found | undefined;
+  private starting: Promise<void> | undefined;
+  private readonly changed = new vscode.EventEmitter<LanguageClient | undefined>();
+  /** The server is running, or, with undefined, no longer. */
+  readonly onDidChange = this.changed.event;
+
+  constructor(
+    private readonly context: vscode.ExtensionContext,
+    private readonly output: vscode.LogOutputChannel,
+  ) {}
+
+  /** The connection to the server while it is running. */
+  get running(): LanguageClient | undefined {
+    return this.client?.state === State.Running ? this.client : undefined;
+  }
+
+  /** The cspdiag whose server is running. */
+  get command(): string | undefined {
+    return this.found?.command;
+  }
+
+  /** Starts the server; says what keeps it from starting, and what can be done about that. */
+  async start(): Promise<void> {
+    this.starting ??= this.started().finally(() => (this.starting = undefined));
+    await this.starting;
+  }
+
+  async restart(): Promise<void> {
+    await this.stop();
+    await this.start();
+  }
+
+  async stop(): Promise<void> {
+    const client = this.client;
+    this.client = undefined;
+    this.found = undefined;
+    this.changed.fire(undefined);
+    if (client?.needsStop() === true) {
+      await client.stop().catch((problem: unknown) => {
+        this.output.warn(`the server did not end as asked: ${String(problem)}`);
+      });
+    }
+  }
+
+  dispose(): void {
+    void this.stop();
+    this.changed.dispose();
+  }
+
+  /** Asks whether to install cspdiag, does it, and starts the server. */
+  async install(): Promise<void> {
+    if (await install(this.environment())) {
+      await this.restart();
+    }
+  }
+
+  private async started(): Promise<void> {
+    if (this.client !== undefined) {
+      return;
+    }
+    const around = await this.surroundings();
+    const found = find(around);
+    if (found === undefined) {
+      void this.offer(
+        around.setting === ""
+          ? "cspdiag is not installed here: errors, diagrams and proofs need it."
+          : `There is no file ${around.setting}, which the setting cspdiag.path names.`,
+      );
+      return;
+    }
+    this.output.info(`${found.command}, found in ${found.from}`);
+    const problem = await problemOf(found.command);
+    if (problem !== undefined) {
+      this.output.error(problem.message);
+      void this.offer(advice(problem, found));
+      return;
+    }
+    await this.connect(found);
+  }
+
+  private async connect(found: Found): Promise<void> {
+    const restarts = new Restarts();
+    const client = new LanguageClient(
+      "cspdiag",
+      "cspdiag",
+      { command: found.command, args: ["lsp"] },
+      {
+        documentSelector: [
+          { language: "csp", scheme: "file" },
+          { language: "csp", scheme: "untitled" },
+        ],
+        outputChannel: this.output,
+        synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.csp") },
+        errorHandler: {
+          error: () => ({ action: ErrorAction.Continue, handled: true }),
+          closed: () => {
+            const { again, say } = restarts.ended();
+            this.output.error(`the server has ended by itself${again ? ", and is started again" : ""}`);
+            if (say) {
+              void this.say("The cspdiag server ended by itself, and was started again.", false);
+            } else if (!again) {
+              void this.say("The cspdiag server keeps ending by itself, and is not started again.", true);
+            }
+            return { action: again ? CloseAction.Restart : CloseAction.DoNotRestart, handled: true };
+          },
+        },
+      },
+    );
+    this.client = client;
+    this.found = found;
+    client.onDidChangeState(({ newState }) => {
+      if (this.client === client) {
+        this.changed.fire(newState === State.Running ? client : undefined);
+      }
+    });
+    try {
+      await client.start();
+      await client.setTrace(Trace.fromString(setting("trace.server")));
+    } catch (problem) {
+      this.client = undefined;
+      void this.say(`The cspdiag server did not start: ${String(problem)}`, true);
+    }
+  }
+
+  private async say(message: string, isError: boolean): Promise<void> {
+    const show = isError ? vscode.window.showErrorMessage : vscode.window.showWarningMessage;
+    const answer = await show(message, ...(isError ? ["Restart", "Show Output"] : ["Show Output"]));
+    if (answer === "Restart") {
+      await this.restart();
+    } else if (answer === "Show Output") {
+      this.output.show();
+    }
+  }
+
+  /** Says that there is no server, with the ways out. */
+  private async offer(message: string): Promise<void> {
+    const answer = await vscode.window.showWarningMessage(message, "Install…", "Choose…", "Try Again");
+    if (answer === "Install…") {
+      await this.install();
+    } else if (answer === "Choose…") {
+      await vscode.commands.executeCommand("workbench.action.openSettings", "cspdiag.path");
+    } else if (answer === "Try Again") {
+      await this.start();
+    }
+  }
+
+  /** The virtual environment to install into: that of the folder, or one of the extension's own. */
+  private environment(): string {
+    const folder = vscode.workspace.workspaceFolders?.[0];
+    return folder === undefined ? this.storage() : path.join(folder.uri.fsPath, ".venv");
+  }
+
+  private storage(): string {
+    return path.join(this.context.globalStorageUri.fsPath, "venv");
+  }
+
+  private async surroundings(): Promise<Surroundings> {
+    return {
+      setting: setting("path"),
+      folders: (vscode.workspace.workspaceFolders ?? []).map((folder) => folder.uri.fsPath),
+      trusted: vscode.workspace.isTrusted,
+      interpreter: await interpreter(),
+      storage: this.storage(),
+      home: homedir(),
+      searchPath: process.env["PATH"] ?? "",
+      platform: process.platform,
+      exists: existsSync,
+    };
+  }
+}
+
+function advice(problem: Problem, found: Found): string {
+  const python = path.join(path.dirname(found.command), "python");
+  const command = `"${python}" -m pip install --upgrade "${REQUIREMENT}"`;
+  return problem.update ? `${problem.message}. Run ${command}, or install another one.` : `${problem.message}.`;
+}
+
+function setting(name: string): string {
+  return vscode.workspace.getConfiguration("cspdiag").get(name, "");
+}
+
+/** What is used of the Python extension. */
+interface PythonExtension {
+  environments?: {
+    getActiveEnvironmentPath: () => unknown;
+    resolveEnvironment: (environment: unknown) => Promise<{ executable?: { uri?: vscode.Uri } } | undefined>;
+  };
+}
+
+/** The interpreter that was chosen in the Python extension, if that is installed. */
+async function interpreter(): Promise<string | undefined> {
+  const extension = vscode.extensions.getExtension<PythonExtension>("ms-python.python");
+  if (extension === undefined) {
+    return undefined;
+  }
+  try {
+    const environments = (await extension.activate()).environments;
+    const found = await environments?.resolveEnvironment(environments.getActiveEnvironmentPath());
+    return found?.executable?.uri?.fsPath;
+  } catch {
+    return undefined; // An extension that does not start is no reason to have no server.
+  }
+}

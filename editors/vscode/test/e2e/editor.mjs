@@ -1,0 +1,152 @@
+// Starts code-server with the packed extension, and a browser that shows it.
+import { execFileSync, spawn } from "node:child_process";
+import { cpSync, mkdirSync, mkdtempSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { chromium } from "playwright-core";
+
+const HERE = import.meta.dirname;
+const CODE_SERVER = path.join(HERE, "node_modules/code-server/out/node/entry.js");
+const VSIX = path.join(HERE, "../../build/cspdiag.vsix");
+
+/** How the tests are called: the pytest test sets these. */
+const CSPDIAG = process.env.CSPDIAG ?? path.join(HERE, "../../../../.venv/bin/cspdiag");
+const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+
+const SETTINGS = {
+  "chat.commandCenter.enabled": false,
+  "editor.minimap.enabled": false,
+  "extensions.ignoreRecommendations": true,
+  "security.workspace.trust.enabled": false,
+  "telemetry.telemetryLevel": "off",
+  "window.commandCenter": false,
+  "workbench.layoutControl.enabled": false,
+  "workbench.startupEditor": "none",
+  "workbench.tips.enabled": false,
+};
+
+async function freePort() {
+  const server = createServer();
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const { port } = server.address();
+  await new Promise((resolve) => server.close(resolve));
+  return port;
+}
+
+/** An editor with a folder open; everything that it writes is in a folder that `close` deletes. */
+export class Editor {
+  /** `files` are the files of the folder, by name; a value that is not a text is the path of a file to copy. */
+  static async start({ files, folder = "project", withCspdiag = true, settings = {} }) {
+    const editor = new Editor();
+    editor.root = mkdtempSync(path.join(tmpdir(), "cspdiag-vscode-"));
+    editor.folder = path.join(editor.root, folder);
+    const user = path.join(editor.root, "user");
+    mkdirSync(path.join(user, "User"), { recursive: true });
+    writeFileSync(path.join(user, "User/settings.json"), JSON.stringify({ ...SETTINGS, ...settings }));
+    mkdirSync(editor.folder, { recursive: true });
+    for (const [name, content] of Object.entries(files)) {
+      const place = path.join(editor.folder, name);
+      if (typeof content === "string" || Buffer.isBuffer(content)) {
+        writeFileSync(place, content);
+      } else {
+        cpSync(content.copy, place);
+      }
+    }
+    if (withCspdiag) {
+      mkdirSync(path.join(editor.folder, ".venv/bin"), { recursive: true });
+      symlinkSync(CSPDIAG, path.join(editor.folder, ".venv/bin/cspdiag"));
+    }
+    const places = ["--user-data-dir", user, "--extensions-dir", path.join(editor.root, "extensions")];
+    // Without the cspdiag of whoever runs the tests.
+    const env = { ...process.env, HOME: editor.root, PATH: "/usr/bin:/bin", XDG_CONFIG_HOME: editor.root };
+    delete env.VSCODE_IPC_HOOK_CLI;
+    execFileSync(process.execPath, [CODE_SERVER, ...places, "--install-extension", VSIX], { env, stdio: "pipe" });
+    const port = await freePort();
+    const flags = ["--auth", "none", "--disable-telemetry", "--disable-update-check", "--disable-workspace-trust"];
+    editor.server = spawn(
+      process.execPath,
+      [CODE_SERVER, ...places, ...flags, "--bind-addr", `127.0.0.1:${port}`],
+      { env, stdio: ["ignore", "pipe", "pipe"], detached: true },
+    );
+    await new Promise((resolve, reject) => {
+      let said = "";
+      const listen = (data) => {
+        said += data;
+        if (said.includes("HTTP server listening")) resolve();
+      };
+      editor.server.stdout.on("data", listen);
+      editor.server.stderr.on("data", listen);
+      editor.server.on("exit", () => reject(new Error(`code-server ended: ${said}`)));
+    });
+    editor.browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
+    editor.page = await editor.browser.newPage({ viewport: { width: 1280, height: 800 } });
+    editor.page.setDefaultTimeout(30_000);
+    await editor.page.goto(`http://127.0.0.1:${port}/?folder=${encodeURIComponent(editor.folder)}`);
+    await editor.page.locator(".monaco-workbench").waitFor();
+    return editor;
+  }
+
+  /** Runs a command by its title. */
+  async command(title) {
+    await this.page.keyboard.press("F1");
+    const input = this.page.locator(".quick-input-widget input");
+    await input.waitFor();
+    await input.fill(`>${title}`);
+    await this.page.locator(".quick-input-list .monaco-list-row", { hasText: title }).first().waitFor();
+    await this.page.keyboard.press("Enter");
+    await this.page.locator(".quick-input-widget").waitFor({ state: "hidden" });
+  }
+
+  /** Opens a file of the folder, at a line and column if they are given. */
+  async open(name, line) {
+    await this.page.keyboard.press("ControlOrMeta+p");
+    const input = this.page.locator(".quick-input-widget input");
+    await input.waitFor();
+    // The whole path: names alone are looked for with ripgrep, which may not be there.
+    await input.fill(path.join(this.folder, name));
+    await this.page.locator(".quick-input-list .monaco-list-row", { hasText: name }).first().waitFor();
+    await this.page.keyboard.press("Enter");
+    await this.page.locator(".tab.active", { hasText: name }).waitFor();
+    if (line !== undefined) await this.goTo(line);
+  }
+
+  /** Puts the cursor of the active editor into a line. */
+  async goTo(line, column = 1) {
+    await this.page.keyboard.press("Control+g");
+    const input = this.page.locator(".quick-input-widget input");
+    await input.waitFor();
+    await input.fill(`:${line}:${column}`);
+    await this.page.keyboard.press("Enter");
+    await this.page.locator(".quick-input-widget").waitFor({ state: "hidden" });
+  }
+
+  /** Waits for a notification with a text. */
+  async notification(text) {
+    const found = this.page.locator(".notification-list-item", { hasText: text }).first();
+    await found.waitFor();
+    return found;
+  }
+
+  /** The processes of the language server of this editor. */
+  servers() {
+    const lines = execFileSync("ps", ["-eo", "pid,args"], { encoding: "utf8" }).split("\n");
+    return lines.filter((line) => line.includes(`${this.folder}/.venv/bin/cspdiag lsp`)).map((line) => parseInt(line));
+  }
+
+  async screenshot(name) {
+    if (process.env.SCREENSHOTS === undefined) return;
+    mkdirSync(process.env.SCREENSHOTS, { recursive: true });
+    await this.page.screenshot({ path: path.join(process.env.SCREENSHOTS, `${name}.png`) });
+  }
+
+  async close() {
+    await this.browser?.close();
+    try {
+      process.kill(-this.server.pid);
+    } catch {
+      // It has ended already.
+    }
+    rmSync(this.root, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });
+  }
+}
