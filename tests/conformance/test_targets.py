@@ -19,13 +19,17 @@ EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "30"))
 """
 
 
-@pytest.fixture(params=TARGETS.values(), ids=TARGETS)
+@pytest.fixture
 def target(request: pytest.FixtureRequest) -> Target:
     target: Target = request.param
     reason = target.unavailable()
     if reason is not None:
         pytest.skip(f"{target.name}: {reason}")
     return target
+
+
+on_every_target = pytest.mark.parametrize("target", TARGETS.values(), ids=TARGETS, indirect=True)
+"""As the outermost mark, so the targets follow each other on one program, whose network and reference are kept."""
 
 
 def assert_certified(target: Target, name: str, limit: int) -> None:
@@ -38,23 +42,27 @@ def assert_certified(target: Target, name: str, limit: int) -> None:
         assert verdict.result == "equal", verdict.details
 
 
+@on_every_target
 @pytest.mark.parametrize("name", MODELS)
 def test_model(target: Target, name: str) -> None:
     assert_certified(target, name, 1_200_000_000)
 
 
+@on_every_target
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_program(target: Target, name: str) -> None:
     """Programs on which implementations have disagreed."""
     assert_certified(target, name, 100_000_000)
 
 
+@on_every_target
 def test_numbered_lines(target: Target, tmp_path: Path) -> None:
     file = tmp_path / "main.csp"
     file.write_text(numbered_lines.program(), encoding="utf-8")
     assert_certified(target, str(file), 100_000_000)
 
 
+@on_every_target
 @pytest.mark.parametrize("start", range(EXAMPLES // A_START))
 def test_random_programs(target: Target, start: int) -> None:
     found = hunt(target, A_START, start, shrink=False)
