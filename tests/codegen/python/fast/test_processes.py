@@ -129,8 +129,8 @@ def text_of(program: str, path: str) -> str:
 def test_branches_of_an_alternative_share_code_with_those_beside_them_that_count() -> None:
     server = text_of(RUNS.read_text(encoding="utf-8"), "server.py")
     assert "if k == 0:" in server  # nothing is added to the answer of the first
-    assert "elif k < 13:" in server
-    assert "Alternative(*(Input(self.request[i]) for i in range(40)))" in server
+    assert "elif k < 6:" in server
+    assert "Alternative(*(Input(self.request[i]) for i in range(20)))" in server
 
 
 def test_no_chain_of_tests_is_longer_than_a_few_branches() -> None:
