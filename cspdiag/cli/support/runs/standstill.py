@@ -31,6 +31,7 @@ class ObservedProgram(Protocol):
 
 
 PATIENCE = 3.0
+"""Seconds between two observations."""
 _SAMPLES = 20
 """The number of samples taken: between two steps no process runs, and several may alternate."""
 _SECONDS_BETWEEN_SAMPLES = 0.005
@@ -66,13 +67,14 @@ class Standstill:
     """Observes the time of a run in virtual time from a thread of its own, so the run is not slowed down.
 
     Used as a context manager around the run; ``attach`` must be called when the network exists. ``top`` is the
-    outermost process. Reports once if the instant is the same in two observations, ``patience`` seconds apart.
+    outermost process. Reports once if the instant is the same in two observations, ``patience`` seconds apart
+    (``PATIENCE`` unless given).
     """
 
-    def __init__(self, recorder: Recorder, top: str, patience: float = PATIENCE) -> None:
+    def __init__(self, recorder: Recorder, top: str, patience: float | None = None) -> None:
         self._recorder = recorder
         self._top = top
-        self._patience = patience
+        self._patience = PATIENCE if patience is None else patience
         self._network: ObservedProgram | None = None
         self._ended = threading.Event()
         self.thread = threading.Thread(target=self._watch, name="standstill", daemon=True)

@@ -103,11 +103,20 @@ process Main {
 """
 
 
+RUN = """
+import runpy
+from cspdiag.cli.support.runs import standstill
+standstill.PATIENCE = 1.0
+runpy.run_module("cspdiag", run_name="__main__", alter_sys=True)
+"""
+"""``python -m cspdiag``, which reports a standstill sooner: until then programs compute."""
+
+
 def _stopped_at_standstill(text: str, tmp_path: Path, *options: str) -> tuple[str, str]:
     """What a run reports about the standstill, and, after Ctrl-C, about how it has ended."""
     program = tmp_path / "stands.csp"
     program.write_text(text)
-    command = [sys.executable, "-m", "cspdiag", "run", *options, str(program)]
+    command = [sys.executable, "-c", RUN, "run", *options, str(program)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:
         assert running.stderr is not None
         reported = next(line for line in running.stderr if "stands still" in line)
