@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import ctypes
+import gc
 import os
 import signal
 import sys
@@ -17,6 +18,8 @@ from tests.support.signals import hear_signals
 
 _BECOME_PARENT_OF_ORPHANS = 36
 """PR_SET_CHILD_SUBREAPER of Linux."""
+_MAX_OBJECTS = 50_000
+"""New objects after which the interpreter collects garbage."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -30,6 +33,13 @@ def pytest_configure(config: pytest.Config) -> None:
     hear_signals()
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_BECOME_PARENT_OF_ORPHANS, 1, 0, 0, 0)
+
+
+def pytest_collection_finish() -> None:
+    """Keep the modules and the tests themselves, which stay, out of collections of garbage, and collect seldom."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(_MAX_OBJECTS, 20, 20)
 
 
 @pytest.hookimpl(wrapper=True)
