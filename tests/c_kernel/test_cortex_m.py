@@ -16,10 +16,11 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.network.ir.network import Network
 from cspdiag.semantics.trace import Communication
-from tests.c_kernel.building import HERE, HOSTED, PROGRAMS, SCENARIOS, SUPPORT, kernel_files, need, run
+from tests.c_kernel.building import HERE, HOSTED, PROGRAMS, SCENARIOS, SUPPORT, kernel_files, need
 from tests.conformance.sources import network_of, read
 from tests.conformance.targets import GeneratedPython
 from tests.conformance.traces import compare
+from tests.support.compiling import compile_once
 
 UNTIL = 3_000_500_000
 """Nanoseconds, between two ticks: by then both joints of JIWY have found their end stops."""
@@ -52,7 +53,7 @@ def firmware(network: Network, level: int, folder: Path) -> Path:
     )
     includes = (f"-I{folder}", f"-I{folder / 'support'}")
     image = folder / "program.elf"
-    run(
+    compile_once(
         *("arm-none-eabi-gcc", *PROCESSOR, *FLAGS, *definitions, *includes, *sources, HERE / "cortex_m" / "main.c"),
         *LINKED,
         *("-o", image),
@@ -106,7 +107,7 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
         HERE / "script.c",
         HERE / "cortex_m" / "console.c",
     ]
-    run("arm-none-eabi-gcc", *PROCESSOR, *FLAGS, *SCENARIOS, f"-I{SUPPORT}", "-c", *sources, cwd=folder)
+    compile_once("arm-none-eabi-gcc", *PROCESSOR, *FLAGS, *SCENARIOS, f"-I{SUPPORT}", "-c", *sources, cwd=folder)
     return folder
 
 
@@ -114,7 +115,7 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_scenario_on_a_microcontroller(objects: Path, program: Path) -> None:
     image = objects / f"{program.stem}.elf"
     includes = (f"-I{SUPPORT}", f"-I{HERE}")
-    run(
+    compile_once(
         "arm-none-eabi-gcc",
         *PROCESSOR,
         *FLAGS,

@@ -15,6 +15,7 @@ from cspdiag import pipeline
 from tests.c_kernel.building import HERE, HOSTED, need, run
 from tests.c_kernel.test_cortex_m import CLOCK, FLAGS, LINKED, MACHINE, PROCESSOR
 from tests.conformance.sources import network_of, read
+from tests.support.compiling import compile_once
 
 BOTH = ["released drive", "released lamp"]
 
@@ -45,7 +46,7 @@ def compiled(folder: Path, processor: tuple[str, ...]) -> Path:
         for file in sorted(folder.rglob("*.c"))
         if file.name not in hosted and not file.name.startswith("csp_port_board")
     ]
-    run("arm-none-eabi-gcc", *processor, *compiling(folder), "-c", *sources, cwd=folder)
+    compile_once("arm-none-eabi-gcc", *processor, *compiling(folder), "-c", *sources, cwd=folder)
     return folder
 
 
@@ -58,7 +59,9 @@ def image(package: Path, trouble: str, processor: tuple[str, ...] = PROCESSOR) -
     source = HERE / "cortex_m" / "machine.c"
     definition = f'-DTROUBLE="{trouble}"'
     objects = sorted(package.glob("*.o"))
-    run("arm-none-eabi-gcc", *processor, *compiling(package), definition, source, *objects, *LINKED, "-o", made)
+    compile_once(
+        "arm-none-eabi-gcc", *processor, *compiling(package), definition, source, *objects, *LINKED, "-o", made
+    )
     return made
 
 
@@ -193,7 +196,7 @@ def superloop(folder: Path, program: str, main: str, *options: str, status: int 
     sources = [file for file in sources if not any(part in file.name for part in left_out)]
     loop, made = HERE / "cortex_m" / main, folder / "superloop.elf"
     processor = options if any(option.startswith("-mcpu") for option in options) else (*PROCESSOR, *options)
-    run("arm-none-eabi-gcc", *processor, *compiling(folder), *sources, loop, *LINKED, "-o", made)
+    compile_once("arm-none-eabi-gcc", *processor, *compiling(folder), *sources, loop, *LINKED, "-o", made)
     command: list[str | Path] = [*MACHINE, *CLOCK, "-kernel", made]
     completed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert completed.returncode == status, completed.stderr

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.c_kernel.building import HERE, need, run
+from tests.c_kernel.building import HERE, need
 from tests.c_kernel.test_cortex_m import FLAGS, LINKED, emulated
 from tests.c_kernel.test_instances import package
+from tests.support.compiling import compile_once
 
 PLATFORM = ("csp_platform.c", "csp_port_cortex_m.c", "csp_port_cortex_m_startup.c")
 ALL_OF_THE_COUNTER = "-DCSP_CORTEX_M_LONGEST=(1<<24)"
@@ -24,7 +25,7 @@ def firmware(folder: Path, processor: str, program: str, main: str, *options: st
     sources = [path for path in package(folder, str(HERE / "devices" / program), 0) if path.stem != "csp_run"]
     platform = [folder / "support" / name for name in PLATFORM if folder / "support" / name not in sources]
     image = folder / "program.elf"
-    run(
+    compile_once(
         *("arm-none-eabi-gcc", f"-mcpu={processor}", "-mthumb", *FLAGS, "-Werror", *options),
         *(f"-I{folder}", f"-I{folder / 'support'}", *sources, *platform, HERE / "cortex_m" / main),
         *(*LINKED, "-o", image),

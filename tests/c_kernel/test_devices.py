@@ -18,8 +18,9 @@ from typing import NamedTuple
 import pytest
 
 from cspdiag import pipeline
-from tests.c_kernel.building import HERE, STRICT, need, run
+from tests.c_kernel.building import HERE, STRICT, need
 from tests.conformance.sources import network_of, read
+from tests.support.compiling import compile_once
 
 DEVICES = HERE / "devices"
 TERMINATED, FAILED, STOPPED, NOT_INITIALIZED = 0, 1, 4, 5
@@ -57,7 +58,7 @@ def built(folder: Path, program: Path, main: Path, *options: str) -> Path:
     sources = [file for file in sorted(folder.rglob("*.c")) if not file.name.startswith(hosted)]
     flags = (*STRICT, "-O1", *options, "-DCSP_TRACE=0", f"-I{folder}", f"-I{folder / 'support'}")
     port = folder / "support" / "csp_port_posix.c"
-    run("gcc", *flags, *sources, port, main, "-lm", "-pthread", "-o", folder / "program")
+    compile_once("gcc", *flags, *sources, port, main, "-lm", "-pthread", "-o", folder / "program")
     return folder / "program"
 
 

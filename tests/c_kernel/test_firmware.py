@@ -12,6 +12,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from tests.c_kernel.building import HERE, need, run
+from tests.support.compiling import compile_once
 
 MODELS = HERE.parents[1] / "models"
 PROCESSORS = {
@@ -57,7 +58,7 @@ def linked(library: Path, processor: str, *options: str | Path) -> Path:
     interface = (folder / f"{package}_api.h").read_text(encoding="utf-8")
     used = [name for name, declaration in HOOKS.items() if declaration in interface]
     support, image = folder / "support", folder / "program.elf"
-    run(
+    compile_once(
         *("arm-none-eabi-gcc", *PROCESSORS[processor], *SMALL, "-std=c99", "-Wall", "-Wextra", "-Werror"),
         *(f"-DPACKAGE={package}", f'-DAPI_HEADER="{package}_api.h"', *(f"-DHAS_{name}" for name in used)),
         *(f"-I{folder}", f"-I{support}", *options, HERE / "cortex_m" / "smallest.c"),

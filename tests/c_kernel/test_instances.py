@@ -13,6 +13,7 @@ from cspdiag.cli.main import main
 from cspdiag.cli.verbs.verify_timing import measured_times
 from tests.c_kernel.building import HERE, STRICT, need, need_sanitizers, run
 from tests.conformance.sources import network_of, read
+from tests.support.compiling import compile_once
 
 ROOT = Path(__file__).parents[2]
 PLATFORM = "csp_platform"
@@ -39,7 +40,7 @@ def test_no_object_has_writable_data(program: str, level: int, tmp_path: Path) -
     objects.mkdir()
     # Without -fno-pie, tables of constant addresses are relocated at the start and so listed as data.
     includes = (f"-I{tmp_path}", f"-I{tmp_path / 'support'}")
-    run("gcc", "-std=c99", "-O1", "-fno-pie", *includes, "-c", *sources, cwd=objects)
+    compile_once("gcc", "-std=c99", "-O1", "-fno-pie", *includes, "-c", *sources, cwd=objects)
     symbols = [line.split() for line in run("nm", "-A", "-P", *sorted(objects.glob("*.o"))).splitlines()]
     assert len(symbols) > 100
     assert [symbol[:3] for symbol in symbols if symbol[2] in "bBdDC"] == []
@@ -50,7 +51,7 @@ def by_the_interface(folder: Path, program: str, main: Path, compiler: str, *opt
     sources = [path for path in package(folder, program, 1) if path.stem not in (PLATFORM, "csp_run")]
     flags = (*STRICT, "-Wshadow", "-Wcast-qual", "-D_POSIX_C_SOURCE=200809L", "-g", *options)
     includes = (f"-I{folder}", f"-I{folder / 'support'}")
-    run(compiler, *flags, *includes, *sources, main, "-lm", "-pthread", "-o", folder / "program")
+    compile_once(compiler, *flags, *includes, *sources, main, "-lm", "-pthread", "-o", folder / "program")
     return folder / "program"
 
 
@@ -227,9 +228,9 @@ def test_the_size_in_the_header_suffices_and_is_not_much_more(program: str, leve
     (tmp_path / "user.cpp").write_text(
         f'#include "{header.name}"\nint main() {{ return {stem}_continues({stem}_state()); }}\n'
     )
-    run("gcc", "-std=c99", f"-I{tmp_path}", f"-I{tmp_path / 'support'}", "-c", "measure.c", cwd=tmp_path)
+    compile_once("gcc", "-std=c99", f"-I{tmp_path}", f"-I{tmp_path / 'support'}", "-c", "measure.c", cwd=tmp_path)
     warnings = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
-    run("g++", "-std=c++11", *warnings, "-fsyntax-only", "user.cpp", cwd=tmp_path)
+    compile_once("g++", "-std=c++11", *warnings, "-fsyntax-only", "user.cpp", cwd=tmp_path)
     rows = [line.split() for line in run("nm", "-P", tmp_path / "measure.o").splitlines()]
     sizes = {row[0]: int(row[3], 16) for row in rows if row[0] in ("measured", "given")}
     assert sizes["measured"] <= sizes["given"] <= sizes["measured"] * 1.1
@@ -243,7 +244,7 @@ def test_instances_do_not_touch_each_other(sanitizer: str, tmp_path: Path) -> No
     includes = (f"-I{tmp_path}", f"-I{tmp_path / 'support'}")
     kernel = [path for path in sources if path.stem not in (PLATFORM, "csp_run")]
     main, image = HERE / "devices" / "instances.c", tmp_path / "program"
-    run("gcc", *flags, *includes, *kernel, main, "-lm", "-pthread", "-o", image)
+    compile_once("gcc", *flags, *includes, *kernel, main, "-lm", "-pthread", "-o", image)
     alone, other, *rest = run(image).splitlines()
     assert alone == "0: 49 driven, sum 612.5, lamp 1, released 1"
     assert other == "0: 98 driven, sum 9702, lamp 1, released 1"
@@ -264,7 +265,7 @@ def test_two_programs_fit_in_one_image(tmp_path: Path) -> None:
         assert [row[0] for row in symbols if row[0].startswith("csp_")] == []
     main = HERE / "devices" / "two_programs.c"
     includes = (f"-I{tmp_path / 'machine'}", f"-I{tmp_path / 'counter'}")
-    run("gcc", *STRICT, "-no-pie", *includes, main, *made, "-lm", "-o", tmp_path / "program")
+    compile_once("gcc", *STRICT, "-no-pie", *includes, main, *made, "-lm", "-o", tmp_path / "program")
     assert run(tmp_path / "program").splitlines() == [f"machine {ENDED}, driven 4", f"counter {MORE}, taken 1"]
 
 

@@ -17,6 +17,7 @@ import networkx
 import pytest
 
 from tests.c_kernel.building import HERE, PROGRAMS, SCENARIOS, STRICT, SUPPORT, kernel_files, need, run
+from tests.support.compiling import compile_once
 
 
 class Variant(NamedTuple):
@@ -42,7 +43,7 @@ def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     need(variant.compiler)
     folder = tmp_path_factory.mktemp(request.param)
     sources = [*kernel_files(), HERE / "script.c"]
-    run(variant.compiler, *STRICT, *variant.flags, *SCENARIOS, f"-I{SUPPORT}", "-c", *sources, cwd=folder)
+    compile_once(variant.compiler, *STRICT, *variant.flags, *SCENARIOS, f"-I{SUPPORT}", "-c", *sources, cwd=folder)
     return variant, folder
 
 
@@ -51,7 +52,7 @@ def test_scenario(built: tuple[Variant, Path], program: Path) -> None:
     variant, folder = built
     executable = folder / program.stem
     flags = (*STRICT, *variant.flags, *SCENARIOS, f"-I{SUPPORT}", f"-I{HERE}")
-    run(variant.compiler, *flags, program, *sorted(folder.glob("*.o")), "-lm", "-o", executable)
+    compile_once(variant.compiler, *flags, program, *sorted(folder.glob("*.o")), "-lm", "-o", executable)
     expected = program.with_suffix(".txt").read_text()
     assert run(executable) == expected
     if variant == VARIANTS["gcc"] and program.stem in UNDER_VALGRIND and shutil.which("valgrind"):
@@ -64,7 +65,7 @@ PARTS = re.findall(r"#ifndef (CSP_USES_\w+)", (SUPPORT / "csp_parts.h").read_tex
 @pytest.mark.parametrize("part", PARTS)
 def test_kernel_compiles_without_a_part(part: str) -> None:
     need("gcc")
-    run("gcc", *STRICT, f"-D{part}=0", f"-I{SUPPORT}", "-fsyntax-only", *kernel_files())
+    compile_once("gcc", *STRICT, f"-D{part}=0", f"-I{SUPPORT}", "-fsyntax-only", *kernel_files())
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
@@ -72,7 +73,7 @@ def test_kernel_compiles_without_a_part(part: str) -> None:
 def test_kernel_compiles_in_every_configuration(compiler: str, configuration: str) -> None:
     need(compiler)
     options = (configuration,) if configuration.startswith("-D") else tuple(f"-D{part}=0" for part in PARTS)
-    run(compiler, *STRICT, "-O2", *options, f"-I{SUPPORT}", "-fsyntax-only", *kernel_files())
+    compile_once(compiler, *STRICT, "-O2", *options, f"-I{SUPPORT}", "-fsyntax-only", *kernel_files())
 
 
 def test_static_analysis() -> None:
@@ -109,7 +110,7 @@ def test_benchmarks_run(tmp_path: Path) -> None:
     """The benchmarks run and end; their speed is for people to read, not for tests to judge."""
     need("gcc")
     executable = tmp_path / "benchmark"
-    run("gcc", *STRICT, "-O1", f"-I{SUPPORT}", HERE / "benchmark.c", *kernel_files(), "-lm", "-o", executable)
+    compile_once("gcc", *STRICT, "-O1", f"-I{SUPPORT}", HERE / "benchmark.c", *kernel_files(), "-lm", "-o", executable)
     for benchmark in (("commstime",), ("alternative", "100"), ("ring", "1000"), ("parallel",)):
         name, figure, unit = run(executable, *benchmark).split()[:3]
         assert (name, unit.strip(",")) == (f"{benchmark[0]}:", "ns")

@@ -9,20 +9,23 @@ from pathlib import Path
 import pytest
 
 from tests.c_kernel.building import HERE, SCENARIOS, STRICT, SUPPORT, kernel_files, need, run
+from tests.support.compiling import compile_once
 
 
 @pytest.fixture(scope="module")
 def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
     need("gcc")
     folder = tmp_path_factory.mktemp("posix")
-    run("gcc", *STRICT, *SCENARIOS, f"-I{SUPPORT}", "-c", *kernel_files("posix"), HERE / "script.c", cwd=folder)
+    compile_once(
+        "gcc", *STRICT, *SCENARIOS, f"-I{SUPPORT}", "-c", *kernel_files("posix"), HERE / "script.c", cwd=folder
+    )
     return folder
 
 
 def built(objects: Path, program: Path) -> Path:
     executable = objects / program.stem
     includes = (f"-I{SUPPORT}", f"-I{HERE}")
-    run("gcc", *STRICT, *SCENARIOS, *includes, program, *objects.glob("*.o"), "-lm", "-o", executable)
+    compile_once("gcc", *STRICT, *SCENARIOS, *includes, program, *objects.glob("*.o"), "-lm", "-o", executable)
     return executable
 
 

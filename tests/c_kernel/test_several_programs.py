@@ -19,6 +19,7 @@ from cspdiag.base.sources import read_source
 from cspdiag.codegen.options import FRAMEWORKS
 from tests.c_kernel.building import need, run
 from tests.conformance.sources import network_of, read
+from tests.support.compiling import compile_once
 
 PROGRAM = """enum Lamp {{ off, lit }}
 
@@ -247,7 +248,7 @@ def test_libraries_of_three_programs_link_in_any_order(framework: str, tmp_path:
         if framework:
             objects = folder / "objects"
             objects.mkdir()
-            run("gcc", "-std=gnu11", "-w", f"-I{folder / 'src'}", "-c", *folder.rglob("*.c"), cwd=objects)
+            compile_once("gcc", "-std=gnu11", "-w", f"-I{folder / 'src'}", "-c", *folder.rglob("*.c"), cwd=objects)
             run("ar", "rcs", libraries[name], *objects.iterdir())
             folders.append(f"-I{folder / 'src'}")
         else:
@@ -259,11 +260,13 @@ def test_libraries_of_three_programs_link_in_any_order(framework: str, tmp_path:
     for number, order in enumerate(permutations(libraries.values())):
         whole = ("-Wl,--whole-archive", *order, "-Wl,--no-whole-archive") if framework and number == 0 else order
         images.append(tmp_path / f"application{number}")
-        run("gcc", "-std=c99", *folders, *sources, *whole, "-lm", "-o", images[-1])
+        compile_once("gcc", "-std=c99", *folders, *sources, *whole, "-lm", "-o", images[-1])
     compare(images, names)
     (tmp_path / "all.cpp").write_text("".join(f'#include "{name}_api.h"\n' for name in names))
     for compiler in (["gcc", "-std=c99", "-xc"], ["g++", "-std=c++11"] if shutil.which("g++") else ["gcc", "-xc"]):
-        run(*compiler, "-Wall", "-Wextra", "-Wpedantic", "-Werror", *folders, "-fsyntax-only", tmp_path / "all.cpp")
+        compile_once(
+            *compiler, "-Wall", "-Wextra", "-Wpedantic", "-Werror", *folders, "-fsyntax-only", tmp_path / "all.cpp"
+        )
 
 
 def test_two_versions_of_a_program_are_found_by_cmake(tmp_path: Path) -> None:
@@ -305,6 +308,8 @@ def test_no_library_shows_a_name_without_its_prefix(program: str, level: int, tm
     objects = tmp_path / "objects"
     objects.mkdir()
     paths = [tmp_path / path for path in compiled]
-    run("gcc", "-w", f"-DCSP_TRACE={level}", f"-I{tmp_path}", f"-I{tmp_path / 'support'}", "-c", *paths, cwd=objects)
+    compile_once(
+        "gcc", "-w", f"-DCSP_TRACE={level}", f"-I{tmp_path}", f"-I{tmp_path / 'support'}", "-c", *paths, cwd=objects
+    )
     run("ar", "rcs", tmp_path / "library.a", *objects.iterdir())
     assert foreign(tmp_path / "library.a", header.stem.removesuffix("_api")) == ["main"]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import shutil
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from cspdiag.base.files.resources import template_folder
 from cspdiag.codegen.c.text.code import call
+from tests.support.compiling import compile_once
 
 SUPPORT = template_folder("c") / "support"
 
@@ -72,7 +72,7 @@ class Arithmetic:
         # Raising is the kernel's task; csp_core.h declares the operands of faults.
         options = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", f"-I{SUPPORT}"]
         sources = [source, SUPPORT / "csp_arithmetic.c", SUPPORT / "csp_fault_text.c", SUPPORT / "csp_text.c"]
-        subprocess.run([compiler, *options, *map(str, sources), "-lm", "-o", str(library)], check=True)
+        compile_once(compiler, *options, *sources, "-lm", "-o", library)
         self._library = ctypes.CDLL(str(library))
 
     def whole(self, name: str) -> Callable[..., int]:

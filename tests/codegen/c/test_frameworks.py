@@ -17,6 +17,7 @@ from cspdiag.base.sources import read_source
 from cspdiag.cli.main import main
 from cspdiag.codegen.options import FRAMEWORKS
 from tests.codegen.c.test_package import MODELS, network_of, written
+from tests.support.compiling import compile_once
 
 JIWY = str(MODELS / "jiwy" / "jiwy.csp")
 
@@ -92,7 +93,7 @@ def test_all_sources_compile_with_one_folder_of_headers(framework: str, tmp_path
     sources = sorted((package / "src").rglob("*.c"))
     assert sources
     command = ["gcc", "-std=gnu11", "-w", "-O0", "-Isrc", "main.c", *sources, "-lm", "-o", "application"]
-    subprocess.run(command, cwd=package, check=True, capture_output=True)
+    compile_once(*command, cwd=package)
     assert subprocess.run([package / "application"], check=False).returncode == 0
 
 

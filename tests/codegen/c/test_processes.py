@@ -14,6 +14,7 @@ from cspdiag.base.span import SourceFile
 from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.run import execute
+from tests.support.compiling import compile_once
 
 ROOT = Path(__file__).parents[3]
 OWN = Path(__file__).parent / "programs"
@@ -63,7 +64,7 @@ def test_sanitizers_find_nothing(name: str, level: int, tmp_path: Path) -> None:
     sources = sorted(path for path in files if path.endswith(".c") and path not in ports)
     flags = ["-std=c99", "-g", "-O0", "-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     made = ["gcc", *flags, "-I.", "-Isupport", "-DCSP_TRACE=1", *sources, "-lm", "-o", "simulation"]
-    subprocess.run(made, cwd=tmp_path, check=True, capture_output=True)
+    compile_once(*made, cwd=tmp_path)
     done = subprocess.run(["./simulation", "--for", str(LIMIT), "--observe", "all"], cwd=tmp_path, capture_output=True)
     assert b"ERROR" not in done.stderr
     assert b"runtime error" not in done.stderr
@@ -159,7 +160,7 @@ def test_branches_in_sequence_share_code_beside_others() -> None:
     network = network_of(PROGRAMS / "branches_in_runs.csp")
     server = pipeline.generate(network, read_source, "c", 1)["server.c"]
     assert "self->number_of_choice_2_from_3 = (int64_t)self->choice_2.alternative.chosen;" in server
-    assert 20 < server.count("CSP_AWAIT(csp_channel_write(") < 30  # 17 have bodies of their own
+    assert 10 < server.count("CSP_AWAIT(csp_channel_write(") < 25  # 9 have bodies of their own, in two copies
 
 
 def test_ports_that_count_are_attached_in_loops() -> None:
