@@ -162,13 +162,32 @@ def test_a_reviewer_finds_none_of_these(name: str, level: int) -> None:
             assert found is None, f"{path}: {objection}: {found[0]}"
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_no_function_of_the_diagram_is_long(name: str) -> None:
-    """At -O0; processes that -O1 inlines are one function."""
-    for path, text in pipeline.generate(network(name), read, "c", 0).items():
+LONGEST = 120
+
+
+@pytest.mark.parametrize(("name", "level"), [*product((*MODELS, "ring", "commstime"), (0, 1))])
+def test_no_function_is_long(name: str, level: int) -> None:
+    for path, text in pipeline.generate(network(name), read, "c", level).items():
         if not path.startswith("support/") and path.endswith(".c"):
             lengths = [body.count("\n") for body in re.findall(r"^\{\n.*?^\}$", text, re.MULTILINE | re.DOTALL)]
-            assert max(lengths, default=0) <= 120, path
+            assert max(lengths, default=0) <= LONGEST, path
+
+
+def test_inlined_processes_of_a_long_function_have_functions_of_their_own() -> None:
+    text = pipeline.generate(network("jiwy"), read, "c", 1)["joint_control.c"]
+    functions = re.findall(r"^static csp_party \*joint_control_(\w+)\(", text, re.MULTILINE)
+    assert functions[-6:] == ["fails", "align_l", "align_r", "motion_control", "homing", "step"]
+
+
+def test_steps_of_a_long_function_that_differ_in_numbers_are_a_table() -> None:
+    text = pipeline.generate(network("dining"), read, "c", 1)["table.c"]
+    assert "{4U, 3, 4U}, /* right ? holder (table.csp:17) */" in text
+    assert text.count("self->fork_holder[table_steps[i].element] = table_steps[i].value;") == 10
+
+
+def test_steps_of_a_long_function_whose_numbers_count_are_a_loop() -> None:
+    text = pipeline.generate(network("ring"), read, "c", 1)["ring.c"]
+    assert "const int64_t csp_result = csp_add(csp, self->cell_output_offered[i], 1);" in text
 
 
 def test_one_macro_contains_jumps() -> None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.process.divided import divide
 from cspdiag.codegen.c.process.initialization import initialization
 from cspdiag.codegen.c.process.leaves import leaf_header
 from cspdiag.codegen.c.process.levels import Levels
+from cspdiag.codegen.c.process.schedules import roll_repeated
 from cspdiag.codegen.c.process.steps.composition import CompositionWriter
 from cspdiag.codegen.c.process.struct.declarations import declared, port_members
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
@@ -126,6 +128,9 @@ class _Writer:
 
     def source(self) -> str:
         composition = self.composition
+        for routine in composition.routines:
+            roll_repeated(routine, composition.tables)
+            divide(routine)
         rows = [f'#include "{self.struct}.h"', "", '#include "constants.h"', '#include "csp_arithmetic.h"', ""]
         states = [place.state for routine in composition.routines for place in routine.places]
         if states:

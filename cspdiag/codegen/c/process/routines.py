@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import Aggregate, Code, call, code, mentions_self
+from cspdiag.codegen.c.text.code import Aggregate, Atom, Code, call, code, mentions_self
 from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names
@@ -18,12 +18,15 @@ from cspdiag.codegen.c.text.statements import (
     State,
     Statement,
     Switch,
+    Wait,
     define,
     lines,
     return_value,
     signature,
     store,
+    with_kernel,
 )
+from cspdiag.codegen.shared.trees import nodes
 
 Waiting: TypeAlias = Literal[
     "NOTHING", "CALL", "READ", "WRITE", "ALTERNATIVE", "INPUTS", "OUTPUTS", "DELAY", "STOP", "PARALLEL", "INTERRUPT"
@@ -60,6 +63,25 @@ class WaitingState:
     """The path, below the class's own, of a process that was flattened into it."""
 
 
+@record
+class Section:
+    """An inlined process: its first and its last statement in the body of a step function."""
+
+    title: str
+    where: str
+    first: Statement
+    last: Statement
+
+
+@record
+class Part:
+    """A function with a part of a step function, which begins in ``state``."""
+
+    name: str
+    state: str
+    body: list[Statement]
+
+
 @dataclass
 class Routine:
     """A step function. ``member`` is the ``csp_process`` of a branch of the composition; None for the process itself.
@@ -79,8 +101,11 @@ class Routine:
     number: str | None = None
     places: list[WaitingState] = field(default_factory=list)
     body: list[Statement] = field(default_factory=list)
-    progress: bool = False
-    condition: bool = False
+    sections: list[Section] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
+    """Functions that the step function calls, if it is divided, and ..."""
+    failing: list[Statement] = field(default_factory=list)
+    """... what the process then does when it fails, which is also a function."""
 
     def __post_init__(self) -> None:
         self.outermost = Handler(self.states.fresh(f"{self.title}_fails".upper().lstrip("_")), "fails")
@@ -144,21 +169,39 @@ class Routine:
         return Aggregate(tuple(parts))
 
     def text(self) -> list[str]:
-        """The step function."""
+        """The step function, after its parts if it has any."""
+        rows: list[str] = []
+        if self.parts:
+            failing = Block((*self._locals(self.failing), *self.failing))
+            rows += [*self._signature(f"{self.name}_fails"), *lines([failing]), ""]
+        for part in self.parts:
+            rows += [*self._stepping(part.name, part.state, part.body), ""]
+        return [*rows, *self._stepping(self.function, "0", self.body)]
+
+    @staticmethod
+    def _signature(name: str) -> list[str]:
+        return signature(f"static csp_party *{name}", [KERNEL, "csp_party *party"])
+
+    def _stepping(self, name: str, begin: str, body: list[Statement]) -> list[str]:
+        """A function that begins, or continues, in the state of the process."""
+        cases = ((f"case {begin}", tuple(body)), ("default", (return_value("NULL"),)))
+        switch = Switch(code("party->state"), cases)
+        function = Block(with_kernel((*self._locals(body), switch)))
+        return [*self._signature(name), *lines([function])]
+
+    def _locals(self, body: list[Statement]) -> list[Statement]:
+        """The definitions of the variables that statements use, and an empty line after them."""
         inside: list[Statement] = []
-        if self.number is not None and (mentions_self(self.body) or mentions_number(self.body)):
+        if self.number is not None and (mentions_self(body) or mentions_number(body)):
             inside.append(define("const uint32_t", self.number, "CSP_NUMBER(party)"))
-        if mentions_self(self.body):
+        if mentions_self(body):
             inside.append(define(f"struct {self.struct} *const", "self", self._enclosing()))
-        if self.progress:
+        used = {node for node in nodes(tuple(body)) if isinstance(node, Wait | Atom)}
+        if any(isinstance(node, Wait) for node in used):
             inside.append(define("csp_progress", "progress"))
-        if self.condition:
+        if Atom("condition") in used:
             inside.append(define("bool", "condition"))
-        if inside:
-            inside.append(Blank())
-        cases = (("case 0", tuple(self.body)), ("default", (return_value("NULL"),)))
-        function = Block((*inside, Switch(code("party->state"), cases)))
-        return [*signature(f"static csp_party *{self.function}", [KERNEL, "csp_party *party"]), *lines([function])]
+        return [*inside, *([Blank()] if inside else [])]
 
     def _enclosing(self) -> Code:
         struct = f"struct {self.struct}"

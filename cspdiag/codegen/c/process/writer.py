@@ -208,7 +208,6 @@ class Writer:
 
     def wait(self, first: Code, again: Code, state: str) -> Wait:
         """An operation that may need several attempts: it is continued each time the process runs."""
-        self.current.progress = True
         return Wait(call("CSP_AWAIT", first, again, state, self.failure_label()))
 
     @staticmethod
@@ -333,7 +332,6 @@ class Writer:
         fault = self.raise_noted_fault(self.names.place(span.file, span.line))
         if not evaluation.faults_inside and in_block(evaluation.setup) == list(evaluation.setup):
             return [*evaluation.setup, fault], evaluation.code
-        self.current.condition = True
         return in_block([*evaluation.setup, store("condition", evaluation.code), fault]), code("condition")
 
     def operand(

@@ -51,6 +51,25 @@ class Numbered(Code):
         return infix("+" if self.first > 0 else "-", SUM, counted, offset)
 
 
+@record
+class Shifted(Code):
+    """``first + by``, or ``first`` alone if ``by`` is 0; ``by`` may count."""
+
+    first: Code
+    by: Code
+
+    @property
+    def precedence(self) -> int:
+        """How tightly its operator binds."""
+        return self._sum().precedence
+
+    def _document(self) -> Document:
+        return self._sum().document
+
+    def _sum(self) -> Code:
+        return self.first if self.by == unsigned(0) else infix("+", SUM, self.first, self.by)
+
+
 def mentions_number(item: object) -> bool:
     """Whether an expression or statements use the number of the branch."""
     return any(isinstance(node, Numbered) for node in nodes(item))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from cspdiag.codegen.c.text.code import PRODUCT, SUM, Atom, Code, Count, cast, code, infix, unsigned
-from cspdiag.codegen.c.text.statements import Block, For, Plain
+from cspdiag.codegen.c.text.statements import Block, For, Plain, Statement
 from cspdiag.codegen.shared.trees import LEAST, Outline, numbers_in, outline, refilled, repeated
 
 VARIABLE = "i"
@@ -34,7 +34,7 @@ def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Roll
                 tuple(statement for position in range(begin, begin + period) for statement in make(position))
                 for begin in (start, start + period)
             )
-            result += [_loop(first, second, iterations)] if first else []
+            result += [loop(first, second, iterations)] if first else []
             start += period * iterations
         else:
             result += make(start)
@@ -42,7 +42,8 @@ def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Roll
     return result
 
 
-def _loop(first: tuple[Rolled, ...], second: tuple[Rolled, ...], iterations: int) -> For:
+def loop(first: tuple[Statement, ...], second: tuple[Statement, ...], iterations: int) -> For:
+    """The loop whose first iterations are ``first`` and ``second``."""
     numbers: list[Count] = numbers_in(first)
     steps = [after - before.value for before, after in zip(numbers, outline(second).numbers, strict=True)]
     begin = next((number.value for number, step in zip(numbers, steps, strict=True) if step == 1), 0)

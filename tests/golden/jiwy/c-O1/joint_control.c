@@ -14,6 +14,12 @@ enum {
     MOTION_CONTROL_CATCHES_TIMEOUT,
     HOMING_INTERRUPTIBLE_RUN_SERVO,
     HOMING_CATCHES_TIMEOUT,
+    ALIGN_L_BEGINS,
+    ALIGN_R_BEGINS,
+    MOTION_CONTROL_BEGINS,
+    HOMING_BEGINS,
+    JOINT_CONTROL_ENDS,
+    FAILS,
     ALIGN_L_RUN_VELOCITY_READS_FEEDBACK,
     ALIGN_L_RUN_VELOCITY_FAILS,
     ALIGN_R_RUN_VELOCITY_READS_FEEDBACK,
@@ -530,14 +536,20 @@ static const csp_class joint_control_align_l_run_velocity_class = {
     .offset = offsetof(struct joint_control, alignL_run_velocity_branch)
 };
 
-static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
+static csp_party *joint_control_fails(csp_kernel *csp, csp_party *party)
+{
+    csp_unwind(csp, party);
+    csp_observe_end(csp, party->number);
+    return csp_fail(csp, party);
+}
+
+static csp_party *joint_control_align_l(csp_kernel *csp, csp_party *party)
 {
     struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, process);
     csp_progress progress;
 
     switch (party->state) {
-    case 0:
-        csp_observe_begin(csp, party->number);
+    case ALIGN_L_BEGINS:
         /* alignL: Turns one joint at constant speed until it meets its end stop, and remembers
          * where that was. (jiwy.csp:129)
          */
@@ -587,6 +599,22 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number + 1U);
         goto fails;
     after_align_l_fails:
+        party->state = (uint16_t)ALIGN_R_BEGINS;
+        return party;
+    fails:
+        return joint_control_fails(csp, party);
+    default:
+        return NULL;
+    }
+}
+
+static csp_party *joint_control_align_r(csp_kernel *csp, csp_party *party)
+{
+    struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, process);
+    csp_progress progress;
+
+    switch (party->state) {
+    case ALIGN_R_BEGINS:
         /* alignR: Turns one joint at constant speed until it meets its end stop, and remembers
          * where that was. (jiwy.csp:129)
          */
@@ -636,6 +664,22 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number + 2U);
         goto fails;
     after_align_r_fails:
+        party->state = (uint16_t)MOTION_CONTROL_BEGINS;
+        return party;
+    fails:
+        return joint_control_fails(csp, party);
+    default:
+        return NULL;
+    }
+}
+
+static csp_party *joint_control_motion_control(csp_kernel *csp, csp_party *party)
+{
+    struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, process);
+    csp_progress progress;
+
+    switch (party->state) {
+    case MOTION_CONTROL_BEGINS:
         /* motionControl: Servo that follows the joystick until the stop button is pressed, then
          * releases the motor. (jiwy.csp:129)
          */
@@ -728,6 +772,22 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number + 3U);
         goto fails;
     after_motion_control_fails:
+        party->state = (uint16_t)HOMING_BEGINS;
+        return party;
+    fails:
+        return joint_control_fails(csp, party);
+    default:
+        return NULL;
+    }
+}
+
+static csp_party *joint_control_homing(csp_kernel *csp, csp_party *party)
+{
+    struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, process);
+    csp_progress progress;
+
+    switch (party->state) {
+    case HOMING_BEGINS:
         /* homing: Servo back to the centre; there, or where its patience ends, the motor is
          * released. (jiwy.csp:129)
          */
@@ -773,12 +833,44 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number + 4U);
         goto fails;
     after_homing_fails:
+        party->state = (uint16_t)JOINT_CONTROL_ENDS;
+        return party;
+    fails:
+        return joint_control_fails(csp, party);
+    default:
+        return NULL;
+    }
+}
+
+static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
+{
+    switch (party->state) {
+    case 0:
+        csp_observe_begin(csp, party->number);
+        party->state = (uint16_t)ALIGN_L_BEGINS;
+        return party;
+    case ALIGN_L_BEGINS:
+    case ALIGN_L_INTERRUPTIBLE_RUN_VELOCITY:
+    case ALIGN_L_CATCHES_TIMEOUT:
+        return joint_control_align_l(csp, party);
+    case ALIGN_R_BEGINS:
+    case ALIGN_R_INTERRUPTIBLE_RUN_VELOCITY:
+    case ALIGN_R_CATCHES_TIMEOUT:
+        return joint_control_align_r(csp, party);
+    case MOTION_CONTROL_BEGINS:
+    case MOTION_CONTROL_CHOOSES:
+    case MOTION_CONTROL_READS_INPUTS:
+    case MOTION_CONTROL_CATCHES_TIMEOUT:
+        return joint_control_motion_control(csp, party);
+    case HOMING_BEGINS:
+    case HOMING_INTERRUPTIBLE_RUN_SERVO:
+    case HOMING_CATCHES_TIMEOUT:
+        return joint_control_homing(csp, party);
+    case JOINT_CONTROL_ENDS:
         csp_observe_end(csp, party->number);
         return csp_end(csp, party);
-    fails:
-        csp_unwind(csp, party);
-        csp_observe_end(csp, party->number);
-        return csp_fail(csp, party);
+    case FAILS:
+        return joint_control_fails(csp, party);
     default:
         return NULL;
     }
@@ -840,7 +932,13 @@ static const csp_place joint_control_places[] = {
         .waiting = CSP_AT_NOTHING,
         .failed = HOMING_CATCHES_TIMEOUT,
         .where = "jiwy.csp:97"
-    }
+    },
+    [ALIGN_L_BEGINS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:129"},
+    [ALIGN_R_BEGINS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:129"},
+    [MOTION_CONTROL_BEGINS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:129"},
+    [HOMING_BEGINS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:129"},
+    [JOINT_CONTROL_ENDS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:104"},
+    [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:104"}
 };
 
 static const csp_class joint_control_class = {

@@ -7,6 +7,7 @@ from math import isfinite
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, Code, Own, address, call, code, ignored, infix, member_of, own
 from cspdiag.codegen.c.text.media import EndInC
+from cspdiag.codegen.c.text.rolling import countable
 from cspdiag.codegen.c.text.statements import (
     Block,
     If,
@@ -20,10 +21,13 @@ from cspdiag.codegen.c.text.statements import (
     run,
     store,
 )
-from cspdiag.model.types import ArrayType, Type
+from cspdiag.model.types import INT, ArrayType, Type
 from cspdiag.network.ir.actions import ReadValue, Step, StopStep, Target, WaitStep, WriteValue
 from cspdiag.network.ir.expressions import Expression, LiteralValue, VariableValue
 from cspdiag.network.ir.faults import is_index_of
+
+_LARGE = 1 << 31
+"""From here on a number needs a suffix in C."""
 
 READS = {
     "channel": "csp_channel_read", "guarded": "csp_guarded_read", "any": "csp_any_read",
@@ -129,10 +133,26 @@ def check_finite(writer: Writer, sink: EndInC, value: Code, where: str) -> list[
 def assign_value(writer: Writer, target: Target, value: Expression, where: str) -> list[Statement]:
     """Assigns to a variable, or to an element of it after the value has been evaluated."""
     variable = writer.members.variable(target.channel)
+    number = _counting(value)
+    if number is not None and _element(writer.members.channels[target.channel].type) == INT:
+        return store_value(writer, target, countable(number), value.type, where)
     if not target.indexes:
         return [*writer.assign(variable, value, where), *writer.mark_written(target.channel)]
     computed, known = writer.operand(value, where, target.channel)
     return [*computed, *store_value(writer, target, known, value.type, where)]
+
+
+def _counting(value: Expression) -> int | None:
+    """A number that may be different in each turn of a loop in C; None for other values."""
+    match value:
+        case LiteralValue(type=type_, value=int(number), name=None) if type_ == INT and 0 <= number < _LARGE:
+            return number
+        case _:  # Every other expression.
+            return None
+
+
+def _element(kind: Type) -> Type:
+    return _element(kind.element) if isinstance(kind, ArrayType) else kind
 
 
 def read_variable(writer: Writer, target: Target, source: EndInC, where: str) -> list[Statement]:

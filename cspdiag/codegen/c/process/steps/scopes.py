@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from cspdiag.codegen.c.process.flow import can_complete
+from cspdiag.codegen.c.process.routines import Section
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import SUM, Aggregate, Code, Parenthesized, address, call, code, infix, own, unsigned
+from cspdiag.codegen.c.text.code import SUM, Aggregate, Parenthesized, address, call, code, infix, own, unsigned
 from cspdiag.codegen.c.text.names import identifier
+from cspdiag.codegen.c.text.numbered import Shifted
 from cspdiag.codegen.c.text.statements import Directive, Plain, Remark, Statement, goto, run
 from cspdiag.codegen.shared.trees import nodes
+from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import Group, ProcessScope, ReportCommunication
 
 
@@ -24,6 +27,9 @@ def scope(writer: Writer, step: ProcessScope) -> list[Statement]:
     writer.inner = writer.scope = step.instance
     statements = _watched(writer, step, step.instance, closing)
     writer.inner, writer.scope = outer
+    if can_complete(step.body):
+        section = Section(step.instance, writer.where(step), statements[0], statements[-1])
+        writer.current.sections.append(section)
     return statements
 
 
@@ -50,9 +56,8 @@ def _watched(writer: Writer, step: Group | ProcessScope, name: str, closing: lis
 def report(writer: Writer, step: ReportCommunication) -> list[Statement]:
     """Reports a communication that became an assignment to the trace."""
     number = writer.members.report(step.channel, step.value.type)
-    slot = writer.slot(step.channel, step.value.type, "reported")
-    first: Code = own("first_report")
-    channel = infix("+", SUM, first, unsigned(number)) if number else first
+    slot = writer.slot(_value_name(writer, step.value.type), step.value.type, "reported")
+    channel = Shifted(own("first_report"), unsigned(number))
     if not writer.may_fault(step.value):
         value = writer.printed(step.value)
         has_braces = any(isinstance(node, Aggregate) for node in nodes(value))
@@ -60,3 +65,9 @@ def report(writer: Writer, step: ReportCommunication) -> list[Statement]:
     statements = writer.evaluate_into(slot, step.value, writer.where(step))
     observed = run(call("csp_observe", channel, address(slot), "party->number", "party->number"))
     return [Directive("#if CSP_TRACE"), *statements, observed, Directive("#endif")]
+
+
+def _value_name(writer: Writer, type_: Type) -> str:
+    """The name of the member for values of a type that are reported: ``int64_value``."""
+    name = writer.members.types.type_name(type_)
+    return f"{name.removeprefix('struct ').removesuffix('_t')}_value"
