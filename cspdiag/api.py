@@ -438,7 +438,8 @@ class LoadedProgram:
         time_limit: float = 60.0,
     ) -> list[Answer]:
         """The answers to the assertions of the file, or those about ``process``, in text order; see ``Answer``. If
-        there are none, freedom from deadlock and from livelock is checked. ``time_limit`` is in seconds, for each.
+        there are none, freedom from deadlock and from livelock is checked; a library, which has no process that is a
+        program by itself, has no answers. ``time_limit`` is in seconds, for each.
         Raises the exceptions of ``build``, ``VerificationError`` if nothing can be answered, and ArgumentError for an
         invalid time limit.
         """

@@ -77,7 +77,8 @@ class Built:
 @node
 class ProofObligations:
     """A program and what is to be proved of it; ``networks`` has the networks of its processes, by name, as far as they
-    were lowered. ``proved`` are the questions that fewer elements of its arrays have answered.
+    were lowered. ``proved`` are the questions that fewer elements of its arrays have answered. Without questions
+    ``nothing`` says why there are none, if the program has no errors.
     """
 
     checked: Checked
@@ -85,6 +86,7 @@ class ProofObligations:
     networks: dict[str, CoreNetwork]
     parameters: Mapping[str, Value]
     proved: Mapping[Question, Answer] = EMPTY
+    nothing: str = ""
 
     def network(self, process: str) -> CoreNetwork | None:
         """The network of a process as the outermost one; None if lowering it reports an error."""
@@ -334,10 +336,11 @@ def proof_obligations(
 ) -> ProofObligations:
     """Check a program and collect what is to be proved: its assertions, or those about ``process``.
 
-    If there are none, what is expected of ``process``, or else of the outermost process. With ``by_rules``, what design
-    rules prove once for all elements of arrays is proved already. Raises the same exceptions as ``build``.
+    If there are none, what is expected of ``process``, or else of the outermost process; a library has none. With
+    ``by_rules``, what design rules prove once for all elements of arrays is proved already. Raises the same exceptions
+    as ``build``, but for a library only if ``process`` is given.
     """
-    from cspdiag.network.lower.program import selection
+    from cspdiag.network.lower.program import NoProgramError, selection
     from cspdiag.proofs.answers.at_once import answers_at_once
     from cspdiag.proofs.answers.question import expected_of, questions_of
 
@@ -345,7 +348,10 @@ def proof_obligations(
         named = dict.fromkeys(name for question in questions_of(program, process) for name in question.processes)
         found: dict[Root, None] = {}
         for name in named or (process,):
-            outermost, environments = selection(program, analysis, name, None)
+            try:
+                outermost, environments = selection(program, analysis, name, None)
+            except NoProgramError:
+                continue
             found |= dict.fromkeys((outermost, *environments))
         return tuple(found)
 
@@ -366,7 +372,10 @@ def proof_obligations(
         return obligations
     questions = questions_of(checked.program, process)
     if not questions:
-        network = compile_network(checked, top=process, overrides=overrides.parameters)
+        try:
+            network = compile_network(checked, top=process, overrides=overrides.parameters)
+        except NoProgramError as problem:
+            return replaced(obligations, nothing=str(problem))
         if network is None:
             return obligations
         outermost = network.class_named(network.top).definition

@@ -45,7 +45,9 @@ push_pictures() {
     echo
     if [ -n "${PICTURES_BRANCH:-}" ] && [ -d "$folder/pictures" ]; then
         if address=$(push_pictures); then
-            sed "s|^\(!\[What changed in the diagrams of .*\](\)$folder/pictures/|\1$address/|" "$folder/changes.md"
+            # The name of the folder is not compared: as an address it is encoded.
+            sed "s|^\(!\[What changed in the diagrams of .*\](\).*/diagram-changes/pictures/|\1$address/|" \
+                "$folder/changes.md"
         else
             echo "::warning::the pictures could not be pushed: the job needs the permission contents: write" >&2
             without_pictures

@@ -32,6 +32,15 @@ process Relay {
 """
 
 
+LIBRARY = """submodel Twice {
+  in  u : double
+  out y : double
+
+  y = 2 * u
+}
+"""
+
+
 def git(folder: Path, *arguments: str) -> str:
     identity = ("-c", "user.name=A", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false")
     done = subprocess.run(["git", *identity, *arguments], cwd=folder, check=True, capture_output=True, text=True)
@@ -66,7 +75,7 @@ def run(folder: Path, script: str, *arguments: str, **settings: str) -> subproce
     environment = {
         **os.environ,
         "PATH": f"{tools}:{Path(sys.executable).parent}:{os.environ['PATH']}",
-        "RUNNER_TEMP": str(folder.parent / "temporary"),
+        "RUNNER_TEMP": str(folder.parent / "temporary files"),
         "GITHUB_STEP_SUMMARY": str(folder.parent / "summary.md"),
         "GITHUB_SERVER_URL": "https://git.example",
         "GITHUB_REPOSITORY": "owner/programs",
@@ -126,6 +135,8 @@ def test_without_permissions_the_changes_are_in_the_summary(repository: Path) ->
 
 
 def test_all_programs_are_checked_and_verified(repository: Path) -> None:
+    (repository / "laws.csp").write_text(LIBRARY)
+    git(repository, "add", "--all")
     assert run(repository, "check.sh", "check").returncode == 0
     assert run(repository, "check.sh", "verify").returncode == 0
     (repository / "wrong.csp").write_text(PROGRAM.replace("? held", "? hold"))
@@ -139,12 +150,14 @@ def test_all_programs_are_checked_and_verified(repository: Path) -> None:
 def test_the_hooks_call_commands_that_exist(repository: Path) -> None:
     hooks = YAML(typ="safe").load((ROOT / ".pre-commit-hooks.yaml").read_text())
     program = repository / "the models" / "relay.csp"
+    laws = repository / "laws.csp"
+    laws.write_text(LIBRARY)
     wrong = repository / "wrong.csp"
     wrong.write_text(PROGRAM.replace("? held", "? hold"))
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
     assert [hook["id"] for hook in hooks] == ["cspdiag-fmt", "cspdiag-check", "cspdiag-verify"]
     for hook in hooks:
-        for files, works in (([program], True), ([program, wrong], hook["id"] == "cspdiag-fmt")):
+        for files, works in (([program, laws], True), ([program, wrong], hook["id"] == "cspdiag-fmt")):
             command = f'{hook["entry"]} "$@"' if "bash" not in hook["entry"] else hook["entry"] + ' "$@"'
             done = subprocess.run(
                 ["bash", "-c", command, "hook", *files],
@@ -157,6 +170,21 @@ def test_the_hooks_call_commands_that_exist(repository: Path) -> None:
     subprocess.run(
         [shutil.which("cspdiag", path=path) or "", "check", "--server-stop"], check=False, capture_output=True
     )
+
+
+def test_each_program_has_a_report_of_its_own_in_gitlab(repository: Path) -> None:
+    (repository / "the-models").mkdir()
+    for name in ("the-models/relay.csp", "the models-relay.csp", "the models/laws.csp"):
+        (repository / name).write_text(LIBRARY if "laws" in name else PROGRAM)
+    git(repository, "add", "--all")
+    jobs = YAML(typ="safe").load((REVIEW / "gitlab.yml").read_text())
+    script = "\n".join(jobs["cspdiag-verify"]["script"])
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    done = subprocess.run(["bash", "-e", "-c", script], cwd=repository, env={**os.environ, "PATH": path}, check=False)
+    assert done.returncode == 0
+    reports = [report.read_text() for report in (repository / "proofs").glob("*.xml")]
+    assert len(reports) == 4
+    assert sum('tests="0"' in report for report in reports) == 1
 
 
 def test_differences_of_git_name_the_definition_and_leave_layout_out(

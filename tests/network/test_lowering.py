@@ -234,7 +234,7 @@ process Last(n: int = 3) { out y : int  composition { y ! n } }
 
 
 def test_there_may_be_nothing_to_compile() -> None:
-    with pytest.raises(SelectionError, match="no process to compile"):
+    with pytest.raises(SelectionError, match="has no process"):
         network("const n = 1")
     with pytest.raises(SelectionError, match="no process `Missing`"):
         network("process Main { out y : int  composition { y ! 1 } }", top="Missing")

@@ -123,7 +123,8 @@ def run(arguments: Namespace) -> int:
             return refused(found, arguments)
         answers = _answers(obligations, arguments, cache.read)
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
-        printed = Printed(code, *rendered_answers(answers, found, arguments), answers_as_json(answers))
+        stdout, stderr = rendered_answers(answers, found, arguments, obligations.nothing)
+        printed = Printed(code, stdout, stderr, answers_as_json(answers))
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
             cache.store(printed)
     write_out(printed.stdout)

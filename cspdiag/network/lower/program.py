@@ -8,6 +8,7 @@ from keyword import iskeyword
 
 from cspdiag.base import Report
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.spelling import Speller
 from cspdiag.model.program import Program, Value
 from cspdiag.network.analyse import Analysis
@@ -30,7 +31,11 @@ from cspdiag.syntax import ast
 
 
 class SelectionError(CspdiagError, ValueError):
-    """There is no process to compile, or it lacks a value; the message is one line."""
+    """There is no process or environment as selected, or it lacks a value; the message is one line."""
+
+
+class NoProgramError(SelectionError):
+    """Nothing was selected, and the text has no process that is a program by itself: it is a library."""
 
 
 def lower(
@@ -61,7 +66,8 @@ def lower(
     tunable = tunable_parameters(program, process.parameters, arguments, own)
     for parameter in process.parameters:
         if parameter not in values and parameter.name.text not in tunable:
-            raise SelectionError(
+            kind = NoProgramError if top is None and environment is None else SelectionError
+            raise kind(
                 f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
                 f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
             )
@@ -203,7 +209,7 @@ def _top(
     if top is not None:
         processes = [name for name, item in program.definitions.items() if isinstance(item, ast.ProcessDefinition)]
         raise SelectionError(f"there is no process `{top}`{suggestion(top, processes)}")
-    raise SelectionError(f"{program.main.source.name} has no process to compile")
+    raise NoProgramError(f"{on_one_line(program.main.source.name)} has no process")
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

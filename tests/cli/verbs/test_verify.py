@@ -129,6 +129,30 @@ def test_wrong_usage_ends_with_2(cspdiag: Command, refuted: Path, options: list[
     assert result.err.count("\n") == 1
 
 
+LIBRARIES = {
+    "has no process": "submodel Twice {\n  in u : double\n  out y : double\n\n  y = 2 * u\n}\n",
+    "no value for its parameter `n`": "process Sends(n: int) {\n  out y : int\n\n  composition { y ! n }\n}\n",
+}
+
+
+@pytest.mark.parametrize("reason", LIBRARIES)
+def test_there_is_nothing_to_verify_in_a_library(cspdiag: Command, tmp_path: Path, reason: str) -> None:
+    path = tmp_path / "library.csp"
+    path.write_text(LIBRARIES[reason])
+    first, again = cspdiag("verify", path), cspdiag("verify", path)
+    assert (first.code, first.out) == (0, "")
+    assert re.fullmatch(f"cspdiag: nothing to verify: .*{reason}.*\n", first.err)
+    assert again == first
+    assert cspdiag("verify", "--quiet", path) == (0, "", "")
+    for format_ in ("concise", "json", "sarif", "github", "junit"):
+        done = cspdiag("verify", "--format", format_, path)
+        assert (done.code, done.err) == (0, first.err)
+    assert json.loads(cspdiag("verify", "--format", "json", path).out) == []
+    assert ElementTree.fromstring(cspdiag("verify", "--format", "junit", path).out)[0].get("tests") == "0"
+    assert cspdiag("verify", "--set", "m=1", path).code == 2
+    assert cspdiag("verify", "--process", "Sends", path).code == 2
+
+
 def test_without_assertions_freedom_from_deadlock_and_livelock_is_checked(cspdiag: Command, tmp_path: Path) -> None:
     path = tmp_path / "ticks.csp"
     path.write_text("process Ticks {\n  out tick : bool\n\n  composition { mu (tick ! true ; wait 1 s) }\n}\n")

@@ -26,11 +26,18 @@ def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
 
 
 def rendered_answers(
-    answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace
+    answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace, nothing: str = ""
 ) -> tuple[str, str]:
     """The texts for standard output and for standard error. Formats that contain only answers leave warnings to
-    standard error.
+    standard error, as all do with ``nothing``, the reason why there are no answers.
     """
+    stdout, stderr = _rendered(answers, warnings, arguments)
+    if nothing and not arguments.quiet:
+        stderr += f"cspdiag: nothing to verify: {nothing}\n"
+    return stdout, stderr
+
+
+def _rendered(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace) -> tuple[str, str]:
     from cspdiag.proofs.answers.findings import diagnostics_of
 
     colour = wants_colour(arguments.color, standard_error())
@@ -47,7 +54,7 @@ def rendered_answers(
         case "text":
             from cspdiag.proofs.answers.text import render as render_text
 
-            return "", before + render_text(answers, colour=colour, quiet=arguments.quiet)
+            return "", before + render_text(answers, colour=colour, quiet=arguments.quiet or not answers)
         case format_:
             raise AssertionError(f"answers have no format {format_!r}")
 
