@@ -6,9 +6,11 @@ shares nothing with native sweeps but the formulas of the measures.
 
 from __future__ import annotations
 
+import os
 import pickle
 import sys
 from collections.abc import Mapping
+from threading import Thread
 from typing import IO, TYPE_CHECKING, Any, cast
 
 from cspdiag import pipeline
@@ -74,6 +76,7 @@ def task_of(plan: Plan, run: int) -> bytes:
 
 def main() -> None:
     """Make the runs whose settings come from standard input, until its end."""
+    Thread(target=_end_with, args=(int(sys.argv[1]),), daemon=True).start()
     given: Any = sys.stdin.buffer
     results = sys.stdout.buffer
     # What the program prints is not a result.
@@ -83,6 +86,12 @@ def main() -> None:
         result = runs.result(pickle.load(given))
         pickle.dump(result, results)
         results.flush()
+
+
+def _end_with(lifeline: int) -> None:
+    """End this process when the process that started it ends, in the middle of a run, too."""
+    os.read(lifeline, 1)
+    os._exit(1)
 
 
 class _Runs:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -31,7 +32,9 @@ class Maker(Protocol):
         """What a process is given once."""
 
     def command(self) -> tuple[str, ...]:
-        """The command of the process, which is built if need be."""
+        """The command of the process, which is built if need be. A further argument is the descriptor of a pipe: the
+        process ends when the other end is closed.
+        """
 
     def read(self, stream: IO[bytes]) -> Result | None:
         """The next result of a process; None if it has ended before that."""
@@ -52,6 +55,10 @@ class Worker:
     def __init__(self) -> None:
         self._job: Job | None = None
         self._process: subprocess.Popen[bytes] | None = None
+        self._lifeline = -1
+        """The end of a pipe that nothing is written to. The process ends when it is closed, if only by the death of
+        this one.
+        """
         self._closed = False
 
     def results(self, job: Job, runs: Sequence[int]) -> Iterator[tuple[int, Result]]:
@@ -104,14 +111,22 @@ class Worker:
         if self._process is None or self._job is not job:
             self.end()
             self._job = job
-            # In a session of its own: Ctrl-C is for this process, which ends it.
-            self._process = subprocess.Popen(
-                job.command,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                start_new_session=True,
-            )
+            reading, self._lifeline = os.pipe()
+            try:
+                # In a session of its own: Ctrl-C is for this process, which ends it.
+                self._process = subprocess.Popen(
+                    [*job.command, str(reading)],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.DEVNULL,
+                    start_new_session=True,
+                    pass_fds=[reading],
+                )
+            except BaseException:
+                self._release()
+                raise
+            finally:
+                os.close(reading)
             assert self._process.stdin is not None
             with suppress(OSError):
                 self._process.stdin.write(job.maker.head)
@@ -128,7 +143,13 @@ class Worker:
         if process.stdout is not None:
             process.stdout.close()
         code = process.wait()
+        self._release()
         return f"the process {f'was ended by {name_of_signal(-code)}' if code < 0 else f'ended with code {code}'}"
+
+    def _release(self) -> None:
+        descriptor, self._lifeline = self._lifeline, -1
+        if descriptor >= 0:
+            os.close(descriptor)
 
     def close(self) -> None:
         """End the process at once; from any thread."""

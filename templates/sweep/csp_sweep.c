@@ -1,10 +1,15 @@
 /* See csp_sweep.h. */
+#define _XOPEN_SOURCE 700 /* POSIX */
+
 #include "csp_sweep.h"
 
+#include <errno.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "csp_arithmetic.h"
 
@@ -403,8 +408,25 @@ static bool read_tasks(void)
     return true;
 }
 
-int csp_sweep_run(const csp_sweep *given)
+/* A run may be long, or without an end, and nothing else tells it that nobody waits for its result. */
+static void *end_with_parent(void *descriptor)
 {
+    char byte = 0;
+    while ((read(*(const int *)descriptor, &byte, 1) < 0) && (errno == EINTR)) {
+    }
+    _exit(EXIT_FAILURE);
+}
+
+int csp_sweep_run(const csp_sweep *given, int argument_count, char *const *arguments)
+{
+    static int lifeline;
+    pthread_t thread;
+    if (argument_count > 1) {
+        lifeline = (int)strtol(arguments[1], NULL, 10);
+        if (pthread_create(&thread, NULL, end_with_parent, &lifeline) != 0) {
+            return EXIT_FAILURE;
+        }
+    }
     sweep = given;
     const size_t size = (sweep->parameters_size > 0U) ? sweep->parameters_size : 1U;
     void *const parameters = calloc(1, size);

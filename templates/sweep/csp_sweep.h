@@ -18,8 +18,9 @@ typedef struct csp_sweep {
 
 /* Reads from standard input, in the byte order and with the alignment of the machine, a csp_sweep_head, its signals and its measures; then, for each run,
  * the structure of the parameters, if there is one, or else a single byte. After each run it writes a csp_sweep_result, the measured values, and a text if
- * the run has failed: three strings, each with its terminating 0, for exception, message and place. It ends with its input. Returns the status for `main`. */
-int csp_sweep_run(const csp_sweep *sweep);
+ * the run has failed: three strings, each with its terminating 0, for exception, message and place. It ends with its input. The first argument is the descriptor of a pipe: the process
+ * ends at once when the other end is closed. Returns the status for `main`. */
+int csp_sweep_run(const csp_sweep *sweep, int argument_count, char *const *arguments);
 
 typedef struct csp_sweep_head {
     int64_t until; /* the longest run in nanoseconds; negative: without limit */

@@ -5,6 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -277,3 +280,41 @@ def test_wrong_arguments_are_refused(heater: cspdiag.LoadedProgram) -> None:
         heater.sweep("gain=1")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="a measure is a str"):
         heater.sweep({"gain": 1}, [3])  # type: ignore[list-item]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
+@pytest.mark.parametrize("target", ["python", pytest.param("c", marks=needs_compiler)])
+def test_processes_end_with_the_one_that_sweeps_however_it_ends(target: str) -> None:
+    """Even in the middle of a run, which may take for ever."""
+    program = f"import cspdiag\ncspdiag.parse({HEATER!r}, 'a.csp').sweep({{'gain': 1}}, until=9e9, target={target!r})"
+    with subprocess.Popen([sys.executable, "-c", program]) as sweeping:
+        try:
+            worker = _busy_child(sweeping.pid)
+        finally:
+            sweeping.kill()
+    for _ in range(1500):
+        if not _processor_time(worker):
+            return
+        time.sleep(0.02)
+    os.kill(worker, signal.SIGKILL)
+    pytest.fail("the process runs on")
+
+
+def _busy_child(process: int) -> int:
+    """The process that makes the runs of this one, as soon as it has used 0.2 s of processor time."""
+    while True:
+        for children in Path(f"/proc/{process}/task").glob("*/children"):
+            for child in map(int, children.read_text().split()):
+                command = Path(f"/proc/{child}/cmdline").read_text()
+                if ("/programs/" in command or "in_python" in command) and _processor_time(child) > 0.2:
+                    return child
+        time.sleep(0.02)
+
+
+def _processor_time(process: int) -> float:
+    """In seconds; 0 if it has ended."""
+    try:
+        state, *fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return 0.0 if state == "Z" else int(fields[10]) / os.sysconf("SC_CLK_TCK")
