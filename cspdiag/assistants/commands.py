@@ -13,8 +13,18 @@ from cspdiag.base.record import record
 
 LONGEST = 20_000
 """The number of characters of a text that is returned; an assistant could not read more."""
+_LONGEST_END = 10.0
+"""Seconds in which a command ends that was asked to."""
 PATIENCE = 30.0
 """Seconds that a command may take beyond the time that it was given."""
+
+
+_PROGRAM = (
+    "import sys; from cspdiag.base.parent import end_with; end_with(int(sys.argv.pop(1))); "
+    "from cspdiag.__main__ import main; sys.exit(main())"
+)
+_waiting: set[asyncio.Task[object]] = set()
+"""The tasks that wait for a command."""
 
 
 @record
@@ -27,11 +37,16 @@ class Finished:
 
 
 async def command(folder: Path, *arguments: str, seconds: float) -> Finished:
-    """Run ``cspdiag`` with some arguments in a folder, for at most ``seconds``."""
+    """Run ``cspdiag`` with some arguments in a folder, for at most ``seconds``. It does not outlive this process."""
+    task = asyncio.current_task()
+    assert task is not None
+    _waiting.add(task)
+    task.add_done_callback(_waiting.discard)
     process = await asyncio.create_subprocess_exec(
         sys.executable,
-        "-m",
-        "cspdiag",
+        "-c",
+        _PROGRAM,
+        str(os.getpid()),
         *arguments,
         cwd=folder,
         stdin=asyncio.subprocess.DEVNULL,
@@ -52,6 +67,15 @@ async def command(folder: Path, *arguments: str, seconds: float) -> Finished:
         await _ended(process, communication)
         raise
     return Finished(code, out.decode(errors="replace"), err.decode(errors="replace"))
+
+
+async def end_all() -> None:
+    """End all commands, as by Ctrl-C, and wait until those who wait for them have put away what they left."""
+    tasks = list(_waiting)
+    for task in tasks:
+        task.cancel()
+    if tasks:
+        await asyncio.wait(tasks, timeout=_LONGEST_END)
 
 
 async def _ended(

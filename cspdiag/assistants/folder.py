@@ -25,22 +25,30 @@ class Folder:
         """
         if "\0" in name:
             raise OutsideError("a name of a file contains no zero byte")
-        found = (self.path / name).resolve()
+        found = Path(os.path.realpath(self.path / name))
         if not found.is_relative_to(self.path):
             raise OutsideError(f"`{name}` is outside the folder {self.path}")
-        if not found.is_file():
+        if os.path.islink(found):
+            raise OutsideError(f"`{name}` is a symbolic link that leads to itself")
+        if os.path.isdir(found) or not os.path.exists(found):
             raise OutsideError(f"there is no program `{name}`: {self._known()}")
         if found.suffix != ".csp":
             raise OutsideError(f"`{name}` is not a program: the names of programs end in .csp")
+        if not os.path.isfile(found):
+            raise OutsideError(f"`{name}` is not a file, but a pipe, a socket or a device")
         return found.relative_to(self.path).as_posix()
 
     def programs(self) -> Iterator[str]:
-        """All programs, in the order of their names; hidden folders are left out."""
+        """All programs, in the order of their names; hidden folders, and what ``program`` refuses, are left out."""
         for folder, folders, files in os.walk(self.path):
             folders[:] = sorted(name for name in folders if not name.startswith("."))
             for name in sorted(files):
-                if name.endswith(".csp"):
-                    yield Path(folder, name).relative_to(self.path).as_posix()
+                path = Path(folder, name)
+                if name.endswith(".csp") and os.path.isfile(path) and self._is_inside(path):
+                    yield path.relative_to(self.path).as_posix()
+
+    def _is_inside(self, path: Path) -> bool:
+        return not path.is_symlink() or Path(os.path.realpath(path)).is_relative_to(self.path)
 
     def _known(self) -> str:
         found = [name for name, _ in zip(self.programs(), range(20), strict=False)]

@@ -13,6 +13,7 @@ from mcp.server.mcpserver.exceptions import ToolError
 from mcp.types import CallToolResult, ContentBlock, ImageContent, TextContent
 from pydantic import Field
 
+from cspdiag.assistants.arguments import PlainServer, strict_tool
 from cspdiag.assistants.commands import PATIENCE, Finished, command, shortened
 from cspdiag.assistants.figures import Figures, figures_of
 from cspdiag.assistants.folder import Folder, OutsideError
@@ -85,19 +86,19 @@ class Formatted(TypedDict):
     difference: str
 
 
-def serve(path: Path) -> None:
-    """Serve the programs of a folder on standard input and output, until the assistant ends the connection."""
-    server(path).run("stdio")
-
-
 def server(path: Path) -> MCPServer[Any]:
     """A server for the programs of a folder."""
     from cspdiag import __version__
 
-    serving = MCPServer("cspdiag", instructions=INSTRUCTIONS, version=__version__, log_level="WARNING")
     tools = _Tools(Folder(path))
-    for tool in (tools.programs, tools.check, tools.verify, tools.run, tools.draw, tools.explain, tools.fmt):
-        serving.add_tool(tool)
+    offered = (tools.programs, tools.check, tools.verify, tools.run, tools.draw, tools.explain, tools.fmt)
+    serving = PlainServer(
+        "cspdiag",
+        instructions=INSTRUCTIONS,
+        version=__version__,
+        log_level="WARNING",
+        tools=[strict_tool(tool) for tool in offered],
+    )
 
     @serving.resource("cspdiag://language", mime_type="text/markdown")
     def language() -> str:
@@ -184,6 +185,8 @@ class _Tools:
             if done.out:
                 lines.append(f"The program printed:\n{done.out}")
             text = shortened("\n".join(lines))
+            if done.code == 1 and not recording.exists():
+                raise ToolError(text)
             ports = figures_of(recording) if recording.exists() else {}
             result = RunResult(successful=done.code == 0, summary=text, ports=ports)
             return _result(text, result, picture if picture.exists() else None)
@@ -227,7 +230,10 @@ class _Tools:
     ) -> Annotated[CallToolResult, Formatted]:
         """Format a program."""
         name = self._program(file)
-        difference = (await self._command("fmt", "--diff", "--", name)).out
+        done = await self._command("fmt", "--diff", "--", name)
+        difference = done.out
+        if done.code != 0 and not difference:
+            raise ToolError(shortened(done.err))
         if difference and write:
             await self._command("fmt", "--", name)
         words = "It is formatted." if not difference else f"{'Changed' if write else 'Would change'}:\n{difference}"
@@ -237,7 +243,7 @@ class _Tools:
         try:
             return self._folder.program(file)
         except (OutsideError, OSError) as problem:
-            raise ToolError(str(problem)) from None
+            raise ToolError(shortened(str(problem))) from None
 
     async def _command(self, *arguments: str, seconds: float = 60, may_fail: bool = False) -> Finished:
         done = await command(self._folder.path, *arguments, seconds=seconds)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import pickle
 import sys
 from collections.abc import Mapping
@@ -11,6 +12,7 @@ from contextlib import suppress
 
 from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.parent import end_with
 from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile
 
@@ -40,7 +42,13 @@ class ProvingError(CspdiagError):
 
 async def prove(main: SourceFile, texts: Mapping[str, str], start: int) -> list[Proved]:
     """Answer the assertion that begins at an offset, given all texts of the program. Raises ProvingError."""
-    request = {"path": sys.path, "main": main.name, "texts": {**texts, main.name: main.text}, "start": start}
+    request = {
+        "path": sys.path,
+        "parent": os.getpid(),
+        "main": main.name,
+        "texts": {**texts, main.name: main.text},
+        "start": start,
+    }
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-c", _PROGRAM, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.PIPE,
@@ -62,6 +70,9 @@ async def prove(main: SourceFile, texts: Mapping[str, str], start: int) -> list[
 
 def answer(request: Mapping[str, object]) -> None:
     """Be the process: write the answers, or why there are none, to standard output."""
+    parent = request["parent"]
+    assert isinstance(parent, int)
+    end_with(parent)
     output = sys.stdout.buffer
     # Whatever a prover prints does not belong to the answer.
     sys.stdout = sys.stderr

@@ -29,6 +29,6 @@ def run(arguments: Namespace) -> int:
     if not folder.is_dir():
         raise UsageError(f"{folder}: there is no such folder")
     with needed_packages("mcp", "mcp", "pydantic"):
-        from cspdiag.assistants.server import serve
+        from cspdiag.assistants.serving import serve
     serve(folder)
     return FINE
