@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cspdiag.base.diagnostic import Label
     from cspdiag.codegen.shared.render import Replacement
     from cspdiag.model.program import Program, Value
+    from cspdiag.model.remembered import Checks
     from cspdiag.model.types import Real
     from cspdiag.network.analyse import Analysis
     from cspdiag.network.elaborate.fewer.varying import Varying
@@ -112,15 +113,16 @@ def check(
     overrides: Mapping[str, Value] | None = None,
     *,
     parse: Callable[[SourceFile, Report], SourceTree] | None = None,
+    checks: Checks | None = None,
     for_findings: bool = False,
     real: Real = "double",
 ) -> Checked:
     """Find all errors in a program and the files it imports.
 
-    ``overrides`` replaces the values of constants by name; ``parse`` gives the trees of files, if they are to be
-    remembered. ``for_findings``: only the diagnostics are wanted; a program of many elements, of which fewer are enough
-    to know that there are none, then has no ``analysis``. ``real`` is what ``double`` means in the program. No program
-    makes it raise an exception.
+    ``overrides`` replaces the values of constants by name; ``parse`` gives the trees of files, and ``checks`` makes the
+    checks of definitions, if they are to be remembered. ``for_findings``: only the diagnostics are wanted; a program of
+    many elements, of which fewer are enough to know that there are none, then has no ``analysis``. ``real`` is what
+    ``double`` means in the program. No program makes it raise an exception.
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
@@ -141,7 +143,7 @@ def check(
         readable = resolve(trees, overrides or {}, report)
         check_model(readable, report)
         return Checked(program=None, report=report, readable=readable, real=real)
-    return _checked(trees, overrides or {}, report, for_findings=for_findings, real=real)
+    return _checked(trees, overrides or {}, report, for_findings=for_findings, real=real, checks=checks)
 
 
 @raised_recursion_limit()
@@ -163,18 +165,23 @@ def _checked(
     *,
     for_findings: bool = False,
     real: Real,
+    checks: Checks | None = None,
 ) -> Checked:
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.names.resolve import resolve
+    from cspdiag.model.remembered import ALWAYS
     from cspdiag.network.check import check as check_network
 
+    checks = checks or ALWAYS
     program = resolve(trees, overrides, report)
-    check_model(program, report)
+    checks.begin(program, report)
+    check_model(program, report, checks)
     if for_findings and real == "double" and not report.diagnostics:
         fewer = _clean_with_fewer(program)
         if fewer is not None:
             return Checked(program=program, report=report, readable=program, fewer=fewer)
-    analysis = check_network(program, report)
+    analysis = check_network(program, report, checks)
+    checks.end()
     network = None
     if not report.has_errors:
         from cspdiag.analyses import analyse

@@ -11,6 +11,7 @@ from cspdiag.lsp.documents import Document, Documents, identity
 from cspdiag.lsp.folders import importers
 from cspdiag.lsp.positions import Positions
 from cspdiag.lsp.view import View
+from cspdiag.model.remembered import RememberedChecks
 from cspdiag.pipeline import Reader
 from cspdiag.syntax import ast
 from cspdiag.syntax.incremental import Parsed, parse_again
@@ -26,6 +27,8 @@ class Session:
         self._views: dict[str, View] = {}
         self._parsed: dict[str, Parsed] = {}
         """By name: the last text of a file with its tree and the mistakes in it."""
+        self._checks: dict[str, RememberedChecks] = {}
+        """For each open document the checks of its program that need not be made again."""
         self.views = 0
         """How many views were made."""
         self.parses = 0
@@ -37,8 +40,13 @@ class Session:
         if known is not None and known.main is document.source and self._is_present(known):
             return known
         self.views += 1
-        view = self._views[document.identity] = View(document.source, self.documents.read, self._parse)
+        view = self._views[document.identity] = View(
+            document.source, self.documents.read, self._parse, self._checks_of(document)
+        )
         return view
+
+    def _checks_of(self, document: Document) -> RememberedChecks:
+        return self._checks.setdefault(document.identity, RememberedChecks())
 
     def diagnostics(self, document: Document) -> list[Diagnostic]:
         """Everything that is wrong with the program of an open document."""
@@ -66,6 +74,7 @@ class Session:
         self.documents.close(uri)
         if document is not None:
             self._views.pop(document.identity, None)
+            self._checks.pop(document.identity, None)
             self._forget()
 
     def _is_present(self, view: View) -> bool:

@@ -15,6 +15,7 @@ from cspdiag.model.names.described import with_described_ports
 from cspdiag.model.names.imports import load
 from cspdiag.model.names.resolve import resolve
 from cspdiag.model.program import Program
+from cspdiag.model.remembered import ALWAYS, Checks
 from cspdiag.pipeline import Checked, Reader, check
 from cspdiag.syntax import ast
 from cspdiag.syntax.parse.nesting import raised_recursion_limit
@@ -29,8 +30,9 @@ class View:
     what the rest says.
     """
 
-    def __init__(self, main: SourceFile, read: Reader, parse: Parse) -> None:
+    def __init__(self, main: SourceFile, read: Reader, parse: Parse, checks: Checks = ALWAYS) -> None:
         self.main = main
+        self._checks = checks
         self._read = read
         self._parse = parse
         self.trees: dict[str, ast.SourceTree] = {}
@@ -54,7 +56,7 @@ class View:
     @cached_property
     def checked(self) -> Checked:
         """The program after all checks."""
-        return check(self.main, self._noted, parse=self._tree, for_findings=True)
+        return check(self.main, self._noted, parse=self._tree, checks=self._checks, for_findings=True)
 
     @property
     def diagnostics(self) -> list[Diagnostic]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 from cspdiag.base import Report
 from cspdiag.model.program import Program, Value
+from cspdiag.model.remembered import ALWAYS, Checks
 from cspdiag.network.analyse import Analysis
 from cspdiag.network.checks.fixed_values import check_fixed_values
 from cspdiag.network.checks.places import check_places
@@ -20,18 +22,19 @@ from cspdiag.network.submodels import classes as submodels
 from cspdiag.syntax import ast
 
 
-def check(program: Program, report: Report) -> Analysis:
-    """Reports everything that is wrong with the processes, submodels and environments of a program.
+def check(program: Program, report: Report, checks: Checks = ALWAYS) -> Analysis:
+    """Reports everything that is wrong with the processes, submodels and environments of a program; ``checks`` makes
+    those of single definitions.
 
     Returns the analysis, which lowering can use again.
     """
-    check_fixed_values(program, report)
+    check_fixed_values(program, report, checks)
     analysis = analysed(program, report)
     check_release(program, analysis.inside_out(), report)
-    submodels.check(program, report, analysis.law_samples(), analysis.laws)
+    submodels.check(program, report, analysis.law_samples(), analysis.laws, checks)
     external_bodies.check(program, report)
     for environment in environments_of(program):
-        environments.check(program, environment, report)
+        checks.result("environment", environment, "", partial(environments.check, program, environment), report)
         if environment.places and not report.has_errors:
             _check_places(program, analysis, environment, report)
     return analysis

@@ -232,6 +232,8 @@ def tunable_parameters(
 
 
 def _is_tunable(program: Program, expression: ast.Expression | None, around: Collection[str]) -> bool:
+    if isinstance(expression, ast.Number | ast.Duration | None):
+        return False
     for name in names((expression,)):
         symbol = program.bindings.get(name)
         if symbol in program.tunable or (isinstance(symbol, ast.Parameter) and symbol.name.text in around):

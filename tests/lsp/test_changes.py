@@ -15,7 +15,7 @@ import pytest
 
 from cspdiag.lsp.session import Session
 from tests.lsp.everything import ask
-from tests.syntax.edits import versions
+from tests.syntax.edits import changed, versions
 from tests.syntax.test_incremental import ROOT, shown
 
 PROGRAMS = (
@@ -53,9 +53,31 @@ def compare(folder: Path, names: tuple[str, ...], seed: int, count: int) -> None
                 assert repr(ask(session, mine, offset)) == repr(ask(other, fresh, offset)), (seed, offset, texts)
 
 
+def compare_small(folder: Path, names: tuple[str, ...], seed: int, count: int) -> None:
+    """Make one or two changes in a correct program, and compare the diagnostics; then in the correct program again."""
+    random = Random(seed)
+    correct = [(ROOT / name).read_text(encoding="utf-8") for name in names]
+    session = opened(folder, names, correct)
+    for _ in range(count):
+        texts = list(correct)
+        for _ in range(random.choice((0, 1, 1, 1, 2))):
+            number = random.randrange(len(names))
+            texts[number] = changed(random, texts[number])
+        for name, text in zip(names, texts, strict=True):
+            session.documents.open((folder / Path(name).name).as_uri(), text, 0)
+        other = opened(folder, names, texts)
+        for mine, fresh in zip(list(session.documents), list(other.documents), strict=True):
+            assert shown(session.diagnostics(mine)) == shown(other.diagnostics(fresh)), (seed, texts)
+
+
+@pytest.mark.parametrize("names", PROGRAMS)
+def test_small_changes(names: tuple[str, ...], tmp_path: Path) -> None:
+    compare_small(tmp_path, names, seed=1, count=20)
+
+
 @pytest.mark.parametrize("names", PROGRAMS)
 def test_random_changes(names: tuple[str, ...], tmp_path: Path) -> None:
-    compare(tmp_path, names, seed=1, count=25)
+    compare(tmp_path, names, seed=1, count=15)
 
 
 if __name__ == "__main__":
@@ -63,5 +85,6 @@ if __name__ == "__main__":
     while time.monotonic() < end:
         with tempfile.TemporaryDirectory() as made:
             compare(Path(made), PROGRAMS[next_seed % len(PROGRAMS)], next_seed, 40)
+            compare_small(Path(made), PROGRAMS[next_seed % len(PROGRAMS)], next_seed, 80)
         next_seed += 1
     print(f"no difference up to seed {next_seed}")

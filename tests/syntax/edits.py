@@ -41,17 +41,37 @@ _WORD = re.compile(r"\w+")
 
 
 def versions(random: Random, text: str, count: int) -> Iterator[str]:
-    """Versions of a text, each changed from the one before it; sometimes changes are undone, also several at once."""
+    """Versions of a text, each changed from the one before it, half of them so that they can hardly be read; sometimes
+    changes are undone, also several at once.
+    """
     history = [text]
     for _ in range(count):
         if len(history) > 1 and random.random() < 0.4:
             del history[max(1, len(history) - random.choice((1, 1, 2, 5))) :]
         else:
-            history.append(_changed(random, history[-1]))
+            history.append(random.choice((_damaged, changed))(random, history[-1]))
         yield history[-1]
 
 
-def _changed(random: Random, text: str) -> str:
+_TOKEN = re.compile(r"[A-Za-z_]\w*|\d+(?:\.\d+)?|==|<=|[<+*]")
+
+
+def changed(random: Random, text: str) -> str:
+    """Another number, name or operator, or a line less: often a program with other mistakes, or none."""
+    if random.random() < 0.2:
+        lines = text.split("\n")
+        del lines[random.randrange(len(lines))]
+        return "\n".join(lines)
+    places = list(_TOKEN.finditer(text))
+    if not places:
+        return text
+    place = random.choice(places)
+    alike = [each[0] for each in places if each[0][0].isdigit() == place[0][0].isdigit()]
+    other = random.choice([*alike, "0", "7", "1e300"] if place[0][0].isdigit() else alike)
+    return text[: place.start()] + other + text[place.end() :]
+
+
+def _damaged(random: Random, text: str) -> str:
     start = random.randint(0, len(text))
     end = min(len(text), start + random.choice((0, 0, 1, 1, 2, 5, 30, 300)))
     match random.choice(("insert", "insert", "delete", "paste", "word", "two", "line", "append")):

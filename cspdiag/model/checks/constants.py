@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from cspdiag.base import Diagnostic, Report, Span
 from cspdiag.model.constants.arithmetic import OutOfRangeError, UndefinedError, checked
@@ -15,12 +16,13 @@ from cspdiag.model.diagnostics.constants import (
     NumberTooLarge,
 )
 from cspdiag.model.program import Program
+from cspdiag.model.remembered import Checks
 from cspdiag.model.types import INT, TIME, UNKNOWN, ArrayType, IntType, RealType, TimeType, Type
 from cspdiag.syntax import ast
 from cspdiag.syntax.walk import nodes
 
 
-def check_constants(program: Program, report: Report) -> None:
+def check_constants(program: Program, report: Report, checks: Checks) -> None:
     """Report numbers that do not fit their type, and warn of expressions in compositions and equations that always
     fault.
 
@@ -35,15 +37,16 @@ def check_constants(program: Program, report: Report) -> None:
                 _check_duration(program, part, report, negative=part in negated)
             case _:  # Any other expression.
                 pass
-    _warn_of_faults(program, report)
+    _warn_of_faults(program, report, checks)
 
 
-def _warn_of_faults(program: Program, report: Report) -> None:
+def _warn_of_faults(program: Program, report: Report, checks: Checks) -> None:
     """Warn of expressions in compositions and equations that fault, except where a condition may prevent it."""
     found = Report()
     has_indexes = any(isinstance(part, ast.Index) for part in program.types)
-    for tree in program.trees:
-        for part in nodes(tree):
+
+    def evaluate_all(item: ast.Item, found: Report) -> None:
+        for part in nodes(item):
             for expression in _evaluated_at_run_time(program, part):
                 evaluate(program, expression, {}, found)
                 for inner in nodes(expression) if has_indexes else ():
@@ -51,6 +54,10 @@ def _warn_of_faults(program: Program, report: Report) -> None:
                         _check_index(program, inner.index, program.types.get(inner.value, UNKNOWN), found)
             if isinstance(part, ast.Reference) and part.indexes:
                 _check_element(program, part, found)
+
+    for tree in program.trees:
+        for item in tree.items:
+            checks.result("faults", item, "", partial(evaluate_all, item), found)
     faults = [one for one in found.diagnostics if _is_fault(one)]
     if not faults:
         return

@@ -9,9 +9,9 @@ from cspdiag.model.checks.equations import check_equations
 from cspdiag.model.checks.ports import check_ports
 from cspdiag.model.checks.relationships import check_relationships
 from cspdiag.model.program import Program
+from cspdiag.model.remembered import ALWAYS, Checks
 
 CHECKS = (
-    check_constants,
     check_ports,
     check_relationships,
     check_compositions,
@@ -19,7 +19,8 @@ CHECKS = (
 )
 
 
-def check(program: Program, report: Report) -> None:
+def check(program: Program, report: Report, checks: Checks = ALWAYS) -> None:
     """Report everything that is wrong with the definitions of a program, each considered separately."""
+    check_constants(program, report, checks)
     for family in CHECKS:
         family(program, report)

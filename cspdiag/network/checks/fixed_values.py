@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import partial
 
 from cspdiag.base import Report
 from cspdiag.model.program import Program
+from cspdiag.model.remembered import ALWAYS, Checks
 from cspdiag.network.diagnostics.usage import MayChange
 from cspdiag.network.elaborate.definitions import arguments_of
 from cspdiag.syntax import ast
@@ -18,27 +20,31 @@ _Place = tuple[ast.Node, str]
 """An expression, and what its value is."""
 
 
-def check_fixed_values(program: Program, report: Report) -> None:
+def check_fixed_values(program: Program, report: Report, checks: Checks = ALWAYS) -> None:
     """Report parameters of the program, and constants that follow from them, where a value must not change."""
     if not program.tunable:
         return
     search = _Search(program)
     for definition in program.definitions.values():
-        for expression, what in search.places(definition):
-            for name in names((expression,)):
-                symbol = program.bindings.get(name)
-                if isinstance(symbol, ast.Constant) and symbol in program.tunable and name not in program.poisoned:
-                    program.poisoned.add(name)
-                    origin = _origin(program, symbol)
-                    report.add(
-                        MayChange(
-                            name.span,
-                            name=symbol.name.text,
-                            what=what,
-                            parameter=origin.name.text,
-                            declared=origin.name.span,
-                        )
+        checks.result("fixed values", definition, "", partial(_check, program, search, definition), report)
+
+
+def _check(program: Program, search: _Search, definition: ast.Definition, report: Report) -> None:
+    for expression, what in search.places(definition):
+        for name in names((expression,)):
+            symbol = program.bindings.get(name)
+            if isinstance(symbol, ast.Constant) and symbol in program.tunable and name not in program.poisoned:
+                program.poisoned.add(name)
+                origin = _origin(program, symbol)
+                report.add(
+                    MayChange(
+                        name.span,
+                        name=symbol.name.text,
+                        what=what,
+                        parameter=origin.name.text,
+                        declared=origin.name.span,
                     )
+                )
 
 
 def _origin(program: Program, constant: ast.Constant) -> ast.Constant:

@@ -51,12 +51,13 @@ class RaisedExceptions:
 
     def warn(self) -> None:
         """Report handlers that never run in any shape of their process."""
-        processes = dict.fromkeys(found.process for found in self._idle.values())
+        idle = {span: found for span, found in self._idle.items() if span not in self._useful}
+        processes = dict.fromkeys(found.process for found in idle.values())
         catches = {node.place: node for node in nodes(*processes) if isinstance(node, ast.Catch)}
-        for span, found in self._idle.items():
+        for span, found in idle.items():
             name = catches[span].exception
             declared = self._program.definitions.get(name.text)
-            if span not in self._useful and isinstance(declared, ast.ExceptionDefinition):
+            if isinstance(declared, ast.ExceptionDefinition):
                 self._report.add(
                     HandlerNeverRuns(
                         span=name.span,

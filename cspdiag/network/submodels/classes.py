@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 
 from cspdiag.base import Report
 from cspdiag.base.record import node, record, replaced
 from cspdiag.model.program import BuiltinSymbol, Program
+from cspdiag.model.remembered import ALWAYS, Checks
 from cspdiag.network.diagnostics.usage import InputDiscarded
 from cspdiag.network.elaborate.expression import lower_period
 from cspdiag.network.ir.expressions import Value
@@ -160,6 +162,7 @@ def check(
     report: Report,
     samples: Iterable[tuple[ast.SubmodelDefinition, int]] = (),
     laws: Iterable[LawUse] = (),
+    checks: Checks = ALWAYS,
 ) -> None:
     """Reports algebraic loops and impossible operators in all submodels that run in a process, and in those of the text
     that are not used at all.
@@ -178,14 +181,21 @@ def check(
     for definition in in_processes:
         for sample in periods.get(definition, [None]):
             for use in known.get((definition, sample), [LawUse(definition, {}, sample, {})]):
-                if not _check(program, use, report):
+                made = partial(_check, program, use)
+                if not checks.result("law", definition, _facts(use), made, report):
                     break
-        _check_inputs(program, definition, report)
+        checks.result("inputs", definition, "", partial(_check_inputs, program, definition), report)
     libraries = {item for tree in program.trees if tree.source.name.startswith("std/") for item in tree.items}
     for candidate in program.definitions.values():
         is_used = candidate in in_processes or candidate in elsewhere or candidate in libraries
         if isinstance(candidate, ast.SubmodelDefinition) and not is_used:
-            _check(program, LawUse(candidate, {}, None, {}), report, environment=True)
+            made = partial(_check, program, LawUse(candidate, {}, None, {}), environment=True)
+            checks.result("unused law", candidate, "", made, report)
+
+
+def _facts(use: LawUse) -> str:
+    """What is known of an instance, except its definition."""
+    return repr((use.arguments, use.sample, use.overrides, sorted(use.tunable)))
 
 
 def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: Report) -> None:
