@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+from typing import Any
 
 from lsprotocol import types
 from pygls.capabilities import ServerCapabilitiesBuilder
@@ -25,6 +26,7 @@ from cspdiag.lsp.features import (
     signature,
 )
 from cspdiag.lsp.garbage import Garbage
+from cspdiag.lsp.pictures.process import DrawingError
 from cspdiag.lsp.positions import Encoding
 from cspdiag.lsp.server import CspdiagServer
 
@@ -236,6 +238,34 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
     view.answers.update({each.start: each for each in found})
     ls.answered(uri, view)
     return "\n".join(each.title for each in found)
+
+
+@server.feature("cspdiag/diagram")
+async def _diagram(ls: CspdiagServer, params: Any) -> dict[str, Any] | None:
+    """A diagram of an open program, as docs/editors.md describes it."""
+    uri = params.textDocument.uri
+    document = ls.document(uri)
+    if document is None:
+        return {"problem": "the file is not open, or too large"}
+    wanted = {name: getattr(params, name, None) for name in ("process", "which", "format", "scheme")}
+    position = getattr(params, "position", None)
+    offset = None if position is None else ls.session.positions.offset(document.source, position)
+    request = {
+        "main": document.source.name,
+        "texts": {each.source.name: each.source.text for each in ls.session.documents},
+        "encoding": ls.session.positions.encoding,
+        "offset": offset,
+        **{name: value for name, value in wanted.items() if value is not None},
+    }
+    try:
+        # A picture that is wanted as a file takes the place of no other.
+        answer = await ls.drawer.draw(f"{uri} {wanted['format'] or ''}", request)
+    except DrawingError as problem:
+        return {"problem": str(problem)}
+    for part in (answer or {}).get("parts", ()):
+        for place in part["places"]:
+            place["uri"] = ls.session.documents.uri(place.pop("file"))
+    return answer
 
 
 def serve() -> None:

@@ -15,6 +15,7 @@ from cspdiag import __version__
 from cspdiag.lsp.documents import MAX_CHARACTERS, Document, name_of
 from cspdiag.lsp.features import diagnostics
 from cspdiag.lsp.garbage import Garbage
+from cspdiag.lsp.pictures.process import Drawer
 from cspdiag.lsp.session import Session
 from cspdiag.lsp.view import View
 
@@ -58,6 +59,7 @@ class CspdiagServer(LanguageServer):
             protocol_cls=_Protocol,
         )
         self.session = Session()
+        self.drawer = Drawer()
         self._timer: asyncio.TimerHandle | None = None
         self._changed: dict[str, Document] = {}
         """Open documents whose diagnostics are to be computed, by identity."""

@@ -24,6 +24,7 @@ if (process.argv.includes("--tests")) {
   rmSync("dist", { recursive: true, force: true });
   mkdirSync("build", { recursive: true });
   const { metafile } = await build({ ...node, entryPoints: ["src/extension.ts"], outdir: "dist", external: ["vscode"] });
+  await build({ ...shared, entryPoints: ["src/webview/page.ts", "src/webview/page.css"], outdir: "dist", format: "iife" });
   writeFileSync("dist/LICENCES.txt", licences(metafile).join("\n"));
   copyFileSync("../../LICENSE", "LICENSE");
 }

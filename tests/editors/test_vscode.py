@@ -17,6 +17,7 @@ import pytest
 import cspdiag
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
+from cspdiag.draw.scene.shapes import Ink
 from cspdiag.syntax.on_demand import parsed
 
 ROOT = Path(__file__).parents[2]
@@ -71,6 +72,14 @@ def test_it_highlights_every_keyword() -> None:
     patterns = [each["match"] for part in ("keyword", "constant") for each in grammar["repository"][part]["patterns"]]
     unknown = {word for word in keywords if not any(re.fullmatch(pattern, word) for pattern in patterns)}
     assert unknown == set()
+
+
+def test_the_page_of_the_diagram_knows_every_colour() -> None:
+    style = (FOLDER / "src" / "webview" / "page.css").read_text()
+    for ink in Ink:
+        assert f".fill-{ink.value} {{\n  fill: var(--{ink.value});" in style
+        assert f".stroke-{ink.value} {{\n  stroke: var(--{ink.value});" in style
+        assert f"\n  --{ink.value}: " in style
 
 
 def filled(body: str | list[str]) -> str:

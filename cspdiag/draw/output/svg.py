@@ -74,6 +74,15 @@ def embedded_svg(scene: Scene) -> str:
     return "\n".join([*body, "</svg>", ""])
 
 
+def identifiers(scene: Scene) -> dict[str, str]:
+    """The ``id`` of each group of the scene as ``embedded_svg`` and ``render_svg`` write it, with that of the scene."""
+    writer = _Writer(Scheme.AUTO, scene.name)
+    if scene.name:
+        writer.identifier("")
+    groups = (item for item in every(scene.items) if isinstance(item, Group) and item.id)
+    return {writer.identifier(group.id): group.id for group in groups}
+
+
 def custom_properties(scheme: Scheme) -> str:
     """All colours of a scheme, as declarations of CSS."""
     return " ".join(f"--{ink.value}: {colour};" for ink, colour in colours(scheme).items())
@@ -145,7 +154,7 @@ class _Writer:
     def opening(self, scene: Scene) -> list[str]:
         size = f'width="{_number(scene.width)}" height="{_number(scene.height)}"'
         view = f'viewBox="0 0 {_number(scene.width)} {_number(scene.height)}"'
-        identity = f' id="{self._identifier("")}"' if self._name else ""
+        identity = f' id="{self.identifier("")}"' if self._name else ""
         lines = [
             f'<svg xmlns="http://www.w3.org/2000/svg" class="{self._classes}"{identity} {size} {view} '
             f'role="{self._role}" '
@@ -175,7 +184,7 @@ class _Writer:
 
     def _group(self, group: Group, depth: int) -> Iterator[str]:
         indent = "  " * depth
-        identity = f' id="{self._identifier(group.id)}"' if group.id else ""
+        identity = f' id="{self.identifier(group.id)}"' if group.id else ""
         yield f'{indent}<g class="{_escaped(group.kind)}"{identity}>'
         if group.title:
             yield f"{indent}  <title>{_escaped(group.title)}</title>"
@@ -189,7 +198,8 @@ class _Writer:
             yield f"{indent}  </a>"
         yield f"{indent}</g>"
 
-    def _identifier(self, text: str) -> str:
+    def identifier(self, text: str) -> str:
+        """A valid identifier that was not given before."""
         words = [re.sub(r"[^A-Za-z0-9_]+", "-", part).strip("-") for part in (self._name, text)]
         wanted = "-".join(word for word in words if word) or "part"
         if not wanted[0].isalpha():

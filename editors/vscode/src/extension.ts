@@ -1,15 +1,22 @@
 /** The extension: what VS Code calls when a .csp file is opened, and when it is no longer needed. */
 
 import * as vscode from "vscode";
+import { DiagramView } from "./diagram";
 import { openExample } from "./examples";
 import { Server } from "./server";
 
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
   const output = vscode.window.createOutputChannel("cspdiag", { log: true });
   const server = new Server(context, output);
+  const diagram = new DiagramView(context, server);
   context.subscriptions.push(
     output,
     server,
+    diagram,
+    vscode.commands.registerCommand("cspdiag.showDiagram", () => {
+      diagram.open();
+    }),
+    vscode.commands.registerCommand("cspdiag.exportDiagram", () => diagram.export()),
     vscode.commands.registerCommand("cspdiag.restartServer", () => server.restart()),
     vscode.commands.registerCommand("cspdiag.install", () => server.install()),
     vscode.commands.registerCommand("cspdiag.showOutput", () => {

@@ -87,28 +87,45 @@ export class Editor {
     return editor;
   }
 
-  /** Runs a command by its title. */
-  async command(title) {
-    await this.page.keyboard.press("F1");
+  /** Changes the colours. */
+  async theme(name) {
+    await this.page.keyboard.press("Control+k");
+    await this.page.keyboard.press("Control+t");
     const input = this.page.locator(".quick-input-widget input");
-    await input.waitFor();
-    await input.fill(`>${title}`);
-    await this.page.locator(".quick-input-list .monaco-list-row", { hasText: title }).first().waitFor();
+    await this.page.locator(".quick-input-list .monaco-list-row", { hasText: "Dark Modern" }).first().waitFor();
+    await input.fill(name);
+    await this.page.locator(".quick-input-list .monaco-list-row.focused", { hasText: name }).waitFor();
     await this.page.keyboard.press("Enter");
     await this.page.locator(".quick-input-widget").waitFor({ state: "hidden" });
   }
 
-  /** Opens a file of the folder, at a line and column if they are given. */
-  async open(name, line) {
-    await this.page.keyboard.press("ControlOrMeta+p");
+  /** Writes into the quick input, and takes the entry with a text. */
+  async quickly(written, entry) {
+    await this.page.keyboard.press("F1");
     const input = this.page.locator(".quick-input-widget input");
     await input.waitFor();
-    // The whole path: names alone are looked for with ripgrep, which may not be there.
-    await input.fill(path.join(this.folder, name));
-    await this.page.locator(".quick-input-list .monaco-list-row", { hasText: name }).first().waitFor();
+    await input.fill(written);
+    await this.page.locator(".quick-input-list .monaco-list-row", { hasText: entry }).first().waitFor();
     await this.page.keyboard.press("Enter");
+  }
+
+  /** Waits until the cursor is in a line of the text. */
+  async cursorIn(line) {
+    await this.page.locator(".statusbar-item", { hasText: `Ln ${line},` }).waitFor();
+  }
+
+  /** Runs a command by its title. */
+  async command(title) {
+    await this.quickly(`>${title}`, title);
+    await this.page.locator(".quick-input-widget").waitFor({ state: "hidden" });
+  }
+
+  /** Opens a file of the folder, at a line and column if they are given. */
+  async open(name, line, column = 1) {
+    // The whole path: names alone are looked for with ripgrep, which may not be there.
+    await this.quickly(path.join(this.folder, name), name);
     await this.page.locator(".tab.active", { hasText: name }).waitFor();
-    if (line !== undefined) await this.goTo(line);
+    if (line !== undefined) await this.goTo(line, column);
   }
 
   /** Puts the cursor of the active editor into a line. */
@@ -126,6 +143,19 @@ export class Editor {
     const found = this.page.locator(".notification-list-item", { hasText: text }).first();
     await found.waitFor();
     return found;
+  }
+
+  /** The page of the diagram. */
+  get diagram() {
+    return this.page.frameLocator("iframe.webview.ready").frameLocator("#active-frame");
+  }
+
+  /** Waits until something is so. */
+  async until(holds) {
+    for (let tries = 0; !holds(); tries++) {
+      if (tries > 300) throw new Error(`never so: ${holds}`);
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
   }
 
   /** The processes of the language server of this editor. */

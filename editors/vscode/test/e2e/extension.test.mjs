@@ -1,7 +1,10 @@
 // The extension in an editor, as its user meets it.
+import assert from "node:assert/strict";
+import path from "node:path";
 import { after, before, test } from "node:test";
 import { Editor } from "./editor.mjs";
 
+const MODELS = path.join(import.meta.dirname, "../../../../models");
 const SLIP = "const period = 1 ms\nconst slow = 10 * peroid\n";
 
 /** @type {Editor} */
@@ -20,7 +23,10 @@ function step(name, act) {
 }
 
 before(async () => {
-  editor = await Editor.start({ files: { "slip.csp": SLIP } });
+  const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
+  const files = { "slip.csp": SLIP };
+  for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
+  editor = await Editor.start({ files, folder: "my project #1" });
 });
 
 after(() => editor.close());
@@ -32,4 +38,72 @@ step("a mistake is shown as a diagnostic", async () => {
   await editor.command("View: Toggle Problems");
   await editor.page.locator(".markers-panel", { hasText: "there is no value `peroid`" }).waitFor();
   await editor.screenshot("slip");
+});
+
+step("the diagram is beside the text, and lit where the cursor is", async () => {
+  await editor.command("View: Toggle Problems");
+  await editor.open("jiwy.csp", 29, 6);
+  await editor.page.keyboard.press("Control+Shift+v");
+  await editor.diagram.locator("svg").waitFor();
+  await editor.diagram.locator("#Align-velocity.lit").waitFor();
+});
+
+step("a click on an element goes to the text", async () => {
+  await editor.diagram.locator("#Align-failed").click();
+  await editor.cursorIn(30);
+  await editor.diagram.locator("#Align-failed.lit").waitFor();
+});
+
+step("elements can be reached and opened by the keyboard", async () => {
+  await editor.diagram.locator("#Align-step-1-2").focus();
+  await editor.page.keyboard.press("Enter");
+  await editor.cursorIn(40);
+  await editor.goTo(29, 6);
+});
+
+step("the diagram is readable in light, dark and high contrast", async () => {
+  const themes = {
+    light: "Light Modern",
+    dark: "Dark Modern",
+    "high-contrast": "Dark High Contrast",
+    "high-contrast-light": "Light High Contrast",
+  };
+  for (const [name, theme] of Object.entries(themes)) {
+    await editor.theme(theme);
+    const body = editor.diagram.locator(`body.vscode-${name}`);
+    await body.waitFor();
+    const colours = await body.evaluate((element) => {
+      const of = (selector, property) => getComputedStyle(element.querySelector(selector))[property];
+      return [of(".fill-text", "fill"), getComputedStyle(element).backgroundColor, of(".fill-process", "fill")];
+    });
+    assert.equal(new Set(colours.slice(0, 2)).size, 2, `${theme}: ${colours}`);
+    await editor.screenshot(`diagram-${name}`);
+  }
+  await editor.theme(themes.light);
+});
+
+step("while the text has mistakes in its syntax the last diagram stays", async () => {
+  await editor.goTo(40, 3);
+  await editor.page.keyboard.type(")");
+  await editor.diagram.locator("#status", { hasText: "mistakes in its syntax" }).waitFor();
+  await editor.diagram.locator(".stale #Align-velocity").waitFor();
+  await editor.page.keyboard.press("Control+z");
+  await editor.diagram.locator("#status").waitFor({ state: "hidden" });
+});
+
+step("a mistake is marked in the diagram as one types", async () => {
+  await editor.goTo(32, 38);
+  await editor.page.keyboard.type("x");
+  await editor.diagram.locator(".fill-error").first().waitFor();
+  await editor.page.keyboard.press("Control+z");
+  await editor.diagram.locator(".fill-error").first().waitFor({ state: "detached" });
+});
+
+step("a server that is killed is started again, and that is said once", async () => {
+  const [first] = editor.servers();
+  process.kill(first, "SIGKILL");
+  await editor.notification("ended by itself, and was started again");
+  await editor.until(() => editor.servers().some((each) => each !== first));
+  await editor.goTo(30, 7);
+  await editor.diagram.locator("#Align-failed.lit").waitFor();
 });

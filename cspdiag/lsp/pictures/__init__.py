@@ -1,0 +1,1 @@
+"""Diagrams for editors, drawn in a process of their own."""

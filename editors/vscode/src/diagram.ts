@@ -1,0 +1,382 @@
+/** The diagram beside the text: drawn anew as the text changes, lit where the cursor is. */
+
+import { randomBytes } from "node:crypto";
+import * as vscode from "vscode";
+import type { FromPage, PagePart, ToPage, Which } from "./messages";
+import type { Diagram, Part, Range } from "./places";
+import { definitionAt, partsAt } from "./places";
+import type { Server } from "./server";
+
+export const VIEW = "cspdiag.diagram";
+/** Milliseconds without a change until a picture is drawn. */
+const QUIET = 150;
+const FORMATS = { SVG: ["svg"], PNG: ["png"], PDF: ["pdf"] };
+
+/** A step of a counterexample, by the names of elements in the diagram of `process`. */
+export interface Step {
+  process: string;
+  text: string;
+  communicating: string[];
+  waiting: string[];
+}
+
+export class DiagramView implements vscode.Disposable {
+  private panel: vscode.WebviewPanel | undefined;
+  private document: vscode.TextDocument | undefined;
+  private picture: Diagram | undefined;
+  /** The process that was chosen; without one the diagram is that at the cursor. */
+  private process: string | undefined;
+  private which: Which = "both";
+  private timer: NodeJS.Timeout | undefined;
+  private steps: Step[] = [];
+  private at = 0;
+  private readonly disposables: vscode.Disposable[];
+
+  constructor(
+    private readonly context: vscode.ExtensionContext,
+    private readonly server: Server,
+  ) {
+    this.disposables = [
+      vscode.workspace.onDidChangeTextDocument(({ document }) => {
+        if (this.panel !== undefined && document.languageId === "csp") {
+          this.leaveSteps();
+          this.drawSoon();
+        }
+      }),
+      vscode.window.onDidChangeActiveTextEditor((editor) => {
+        if (editor !== undefined && isProgram(editor.document)) {
+          this.show(editor.document);
+        }
+      }),
+      vscode.window.onDidChangeTextEditorSelection(({ textEditor, kind }) => {
+        if (textEditor.document === this.document) {
+          this.follow(textEditor, kind !== undefined);
+        }
+      }),
+      server.onDidChange((client) => {
+        if (client !== undefined) {
+          this.drawSoon();
+        }
+      }),
+      vscode.window.registerWebviewPanelSerializer(VIEW, {
+        deserializeWebviewPanel: (panel) => {
+          this.use(panel);
+          return Promise.resolve();
+        },
+      }),
+    ];
+  }
+
+  dispose(): void {
+    clearTimeout(this.timer);
+    this.panel?.dispose();
+    for (const each of this.disposables) {
+      each.dispose();
+    }
+  }
+
+  /** Shows the diagram of the active editor beside it. */
+  open(): void {
+    const editor = vscode.window.activeTextEditor;
+    if (this.panel === undefined) {
+      const column = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
+      this.use(vscode.window.createWebviewPanel(VIEW, "Diagram", column, { enableScripts: true }));
+    } else {
+      this.panel.reveal(undefined, true);
+    }
+    if (editor !== undefined && isProgram(editor.document)) {
+      this.show(editor.document);
+    }
+  }
+
+  /** Writes the diagram into a file that the user chooses. */
+  async export(): Promise<void> {
+    const client = this.server.running;
+    const [document, picture] = [this.document, this.picture];
+    if (client === undefined || document === undefined || picture === undefined) {
+      void vscode.window.showInformationMessage("There is no diagram to export: open one first.");
+      return;
+    }
+    const proposed = vscode.Uri.joinPath(document.uri, "..", `${picture.name}.svg`);
+    const target = await vscode.window.showSaveDialog({ defaultUri: proposed, filters: FORMATS });
+    if (target === undefined) {
+      return;
+    }
+    const format = /\.(svg|png|pdf)$/i.exec(target.path)?.[1]?.toLowerCase() ?? "svg";
+    const wanted = { ...this.wanted(document), process: picture.name, format };
+    const answer = await client.sendRequest<{ data?: string; problem?: string }>("cspdiag/diagram", wanted);
+    if (answer.data === undefined) {
+      void vscode.window.showErrorMessage(`The diagram was not exported: ${answer.problem ?? "no reason is known"}`);
+      return;
+    }
+    await vscode.workspace.fs.writeFile(target, Buffer.from(answer.data, "base64"));
+  }
+
+  /** Steps through a counterexample of the document. */
+  async walk(document: vscode.TextDocument, steps: Step[]): Promise<void> {
+    this.open();
+    this.document = document;
+    this.steps = steps;
+    await this.goTo(0);
+  }
+
+  /** Goes forwards or backwards in the counterexample. */
+  async move(by: number): Promise<void> {
+    if (this.steps.length > 0) {
+      await this.goTo(Math.min(Math.max(this.at + by, 0), this.steps.length - 1));
+    }
+  }
+
+  private async goTo(at: number): Promise<void> {
+    this.at = at;
+    const step = this.steps[at];
+    if (step !== undefined && this.picture?.name !== step.process) {
+      this.process = step.process;
+      await this.draw();
+    }
+    this.showStep();
+  }
+
+  private showStep(): void {
+    const step = this.steps[this.at];
+    const ids = (keys: readonly string[]) =>
+      (this.picture?.parts ?? []).filter((part) => keys.includes(part.key)).map((part) => part.id);
+    this.post({
+      type: "step",
+      text: step?.text ?? "",
+      position: step === undefined ? "" : `${this.at + 1}/${this.steps.length}`,
+      communicating: ids(step?.communicating ?? []),
+      waiting: ids(step?.waiting ?? []),
+    });
+    void vscode.commands.executeCommand("setContext", "cspdiag.stepping", step !== undefined);
+  }
+
+  private leaveSteps(): void {
+    if (this.steps.length > 0) {
+      this.steps = [];
+      this.process = undefined;
+      this.showStep();
+      this.drawSoon();
+    }
+  }
+
+  private use(panel: vscode.WebviewPanel): void {
+    this.panel = panel;
+    this.document ??= vscode.window.visibleTextEditors.find((editor) => isProgram(editor.document))?.document;
+    panel.iconPath = vscode.Uri.joinPath(this.context.extensionUri, "images", "diagram.svg");
+    const roots = ["dist"].map((name) => vscode.Uri.joinPath(this.context.extensionUri, name));
+    panel.webview.options = { enableScripts: true, localResourceRoots: roots };
+    panel.webview.onDidReceiveMessage((message: FromPage) => this.received(message));
+    panel.onDidDispose(() => {
+      this.panel = undefined;
+      this.leaveSteps();
+    });
+    panel.webview.html = page(panel.webview, this.context.extensionUri);
+  }
+
+  private show(document: vscode.TextDocument): void {
+    if (document !== this.document) {
+      this.document = document;
+      this.process = undefined;
+      this.steps = [];
+      this.showStep();
+      this.drawSoon();
+    }
+  }
+
+  private drawSoon(): void {
+    clearTimeout(this.timer);
+    if (this.panel !== undefined) {
+      this.timer = setTimeout(() => void this.draw(), QUIET);
+    }
+  }
+
+  private wanted(document: vscode.TextDocument) {
+    return { textDocument: { uri: document.uri.toString() }, which: this.which };
+  }
+
+  private async draw(): Promise<void> {
+    const [client, document] = [this.server.running, this.document];
+    if (this.panel === undefined || document === undefined) {
+      return;
+    }
+    if (client === undefined) {
+      this.status("cspdiag is not running: there is no diagram of the text as it is now.");
+      return;
+    }
+    const at = this.editor()?.selection.active;
+    const chosen = this.process === undefined ? { position: at } : { process: this.process };
+    let answer: Diagram | null;
+    try {
+      answer = await client.sendRequest<Diagram | null>("cspdiag/diagram", { ...this.wanted(document), ...chosen });
+    } catch (problem) {
+      this.status(`There is no diagram: ${String(problem)}`);
+      return;
+    }
+    if (answer === null || document !== this.document) {
+      return; // A later request is under way.
+    }
+    if (answer.problem !== undefined) {
+      this.status(`There is no diagram: ${answer.problem}.`);
+    } else if (!answer.whole && this.picture !== undefined) {
+      this.status("The text has mistakes in its syntax: this is the diagram before them.");
+    } else {
+      this.take(answer);
+    }
+  }
+
+  private take(answer: Diagram): void {
+    this.picture = answer;
+    const parts: Record<string, PagePart> = {};
+    for (const part of answer.parts) {
+      parts[part.id] = { opens: part.inside !== null };
+    }
+    const processes = answer.definitions.map((each) => each.name);
+    this.post({ type: "picture", svg: answer.svg, name: this.process ?? "", processes, parts });
+    this.status(answer.whole ? "" : "The text has mistakes in its syntax: what has them is left out.", !answer.whole);
+    if (this.panel !== undefined) {
+      this.panel.title = `Diagram of ${answer.name}`;
+    }
+    const editor = this.editor();
+    if (editor !== undefined) {
+      this.light(editor, false);
+    }
+    this.showStep();
+  }
+
+  private status(text: string, stale = text !== ""): void {
+    this.post({ type: "status", text, stale: stale && this.picture !== undefined });
+  }
+
+  private post(message: ToPage): void {
+    void this.panel?.webview.postMessage(message);
+  }
+
+  private editor(): vscode.TextEditor | undefined {
+    const shown = vscode.window.visibleTextEditors.filter((editor) => editor.document === this.document);
+    return shown.find((editor) => editor === vscode.window.activeTextEditor) ?? shown[0];
+  }
+
+  /** Lights what is at the cursor, or draws the definition that it has gone to. */
+  private follow(editor: vscode.TextEditor, moved: boolean): void {
+    const picture = this.picture;
+    if (picture === undefined || this.panel === undefined) {
+      return;
+    }
+    const name = definitionAt(picture.definitions, editor.selection.active);
+    if (this.process === undefined && name !== undefined && name !== picture.name) {
+      this.drawSoon();
+    } else {
+      this.light(editor, moved);
+    }
+  }
+
+  private light(editor: vscode.TextEditor, reveal: boolean): void {
+    const parts = partsAt(this.picture?.parts ?? [], editor.document.uri.toString(), editor.selection.active);
+    this.post({ type: "lit", ids: parts.map((part) => part.id), reveal });
+  }
+
+  private async received(message: FromPage): Promise<void> {
+    switch (message.type) {
+      case "ready":
+        if (this.picture !== undefined && this.document !== undefined) {
+          this.take(this.picture);
+        }
+        this.drawSoon();
+        break;
+      case "source":
+        await this.reveal(this.part(message.id));
+        break;
+      case "inside": {
+        const inside = this.part(message.id)?.inside ?? null;
+        if (inside !== null) {
+          this.process = inside;
+          await this.draw();
+        }
+        break;
+      }
+      case "process":
+        this.process = message.name === "" ? undefined : message.name;
+        await this.draw();
+        break;
+      case "which":
+        this.which = message.which;
+        await this.draw();
+        break;
+      case "export":
+        await this.export();
+        break;
+      case "move":
+        await this.move(message.by);
+        break;
+      case "leave":
+        this.leaveSteps();
+        break;
+    }
+  }
+
+  private part(id: string): Part | undefined {
+    return this.picture?.parts.find((part) => part.id === id);
+  }
+
+  private async reveal(part: Part | undefined): Promise<void> {
+    const place = part?.places[0];
+    if (place === undefined) {
+      return;
+    }
+    const uri = vscode.Uri.parse(place.uri);
+    const column = this.editor()?.viewColumn ?? vscode.ViewColumn.One;
+    try {
+      await vscode.window.showTextDocument(uri, { selection: toRange(place.range), viewColumn: column });
+    } catch (problem) {
+      void vscode.window.showErrorMessage(`${uri.fsPath} cannot be shown: ${String(problem)}`);
+    }
+  }
+}
+
+function isProgram(document: vscode.TextDocument): boolean {
+  return document.languageId === "csp";
+}
+
+function toRange({ start, end }: Range): vscode.Range {
+  return new vscode.Range(start.line, start.character, end.line, end.character);
+}
+
+function page(webview: vscode.Webview, extension: vscode.Uri): string {
+  const file = (name: string) => webview.asWebviewUri(vscode.Uri.joinPath(extension, "dist", name)).toString();
+  const nonce = randomBytes(16).toString("base64");
+  const policy = `default-src 'none'; style-src ${webview.cspSource}; script-src 'nonce-${nonce}'`;
+  return `<!DOCTYPE html>
+<html lang="en">
+<head>
+  <meta charset="utf-8">
+  <meta http-equiv="Content-Security-Policy" content="${policy}">
+  <link rel="stylesheet" href="${file("page.css")}">
+  <title>Diagram</title>
+</head>
+<body>
+  <header role="toolbar" aria-label="Diagram">
+    <select id="process" aria-label="Process"></select>
+    <select id="which" aria-label="Which diagram">
+      <option value="both">Both diagrams</option>
+      <option value="communication">Communication</option>
+      <option value="composition">Composition</option>
+    </select>
+    <button id="smaller" title="Smaller (-)" aria-label="Smaller">−</button>
+    <button id="larger" title="Larger (+)" aria-label="Larger">+</button>
+    <button id="fit" title="Fit the width (0)">Fit</button>
+    <button id="export" title="Write an SVG, PNG or PDF">Export…</button>
+  </header>
+  <p id="status" role="status" hidden></p>
+  <section id="steps" role="toolbar" aria-label="Counterexample" hidden>
+    <button id="previous" title="Previous step">◀</button>
+    <button id="next" title="Next step">▶</button>
+    <output id="position"></output>
+    <span id="step" role="status"></span>
+    <button id="leave" title="Leave the counterexample" aria-label="Leave the counterexample">✕</button>
+  </section>
+  <main id="picture" tabindex="0" aria-label="The diagram; Tab goes through its elements, Enter goes to the text"></main>
+  <script nonce="${nonce}" src="${file("page.js")}"></script>
+</body>
+</html>`;
+}

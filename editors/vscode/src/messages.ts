@@ -1,0 +1,30 @@
+/** What the extension and the page of the diagram say to each other. */
+
+export type Which = "both" | "communication" | "composition";
+
+/** To the page. */
+export type ToPage =
+  | { type: "picture"; svg: string; name: string; processes: string[]; parts: Record<string, PagePart> }
+  /** What is to be known about the picture; empty if nothing is. `stale`: the text has changed since. */
+  | { type: "status"; text: string; stale: boolean }
+  /** The elements at the cursor, by identifier. */
+  | { type: "lit"; ids: string[]; reveal: boolean }
+  /** A step of a counterexample; `text` is empty if none is shown. */
+  | { type: "step"; text: string; position: string; communicating: string[]; waiting: string[] };
+
+/** What the page knows of an element. */
+export interface PagePart {
+  /** Whether its inside has a diagram of its own. */
+  opens: boolean;
+}
+
+/** From the page. */
+export type FromPage =
+  | { type: "ready" }
+  | { type: "source"; id: string }
+  | { type: "inside"; id: string }
+  | { type: "process"; name: string }
+  | { type: "which"; which: Which }
+  | { type: "export" }
+  | { type: "move"; by: number }
+  | { type: "leave" };
