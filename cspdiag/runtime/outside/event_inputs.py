@@ -6,7 +6,6 @@ It communicates when a reader takes it.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
 from typing import Any, Literal
 
 from ..channels.latched import LatchedEnd, refuse_cancelled
@@ -15,7 +14,7 @@ from ..channels.selector import raise_bits
 from ..kernel.party import Party
 from ..kernel.scheduler import present
 from .accepted import Accept
-from .drivers import Driver, Signal
+from .drivers import Driver
 from .supply import Supply
 
 
@@ -85,7 +84,7 @@ class EventInput(In[T]):
     goes to one of them.
     """
 
-    __slots__ = ("_last", "accepts", "driver", "ends", "kind", "line", "name", "polled")
+    __slots__ = ("accepts", "driver", "ends", "kind", "last", "line", "name", "polled")
 
     def __init__(
         self,
@@ -102,7 +101,8 @@ class EventInput(In[T]):
         self.polled = driver is not None
         self.kind = kind
         self.ends: list[EventEnd[T]] = [] if kind == "broadcast" else [EventEnd(name)]
-        self._last: Any = None
+        self.last: Any = None
+        """The value at the last instant of the grid."""
 
     def reader(self, owner: Owner | None = None) -> EventEnd[T]:
         """The end of a process."""
@@ -120,28 +120,13 @@ class EventInput(In[T]):
 
     def start(self) -> None:
         """Notes the value at the beginning, which is not an event."""
-        self._last = self.line.read()
-
-    def at_grid(self) -> Callable[[], None]:
-        """What to do at an instant of the grid of this run."""
-        return self._polling(self.line) if type(self.line) is Signal else self.poll
-
-    def _polling(self, signal: Signal[T]) -> Callable[[], None]:
-        """``poll`` in one step for a signal of an environment."""
-
-        def poll() -> None:
-            value = signal.value
-            if value != self._last:
-                self._last = value
-                self.occur(value)
-
-        return poll
+        self.last = self.line.read()
 
     def poll(self) -> None:
         """A grid instant: offers the value if it has changed."""
         value = self.line.read()
-        if value != self._last:
-            self._last = value
+        if value != self.last:
+            self.last = value
             self.occur(value)
 
     def occur(self, value: T) -> None:

@@ -7,8 +7,7 @@ Inputs: see ``inputs``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from itertools import groupby
+from collections.abc import Generator, Iterable
 from math import isfinite
 from types import coroutine
 from typing import Any, Generic, TypeAlias
@@ -18,7 +17,7 @@ from ..channels.selector import Selector
 from ..kernel.exceptions import Cancelled, Fault
 from ..kernel.party import Party
 from ..kernel.scheduler import present
-from .drivers import Driver, Signal
+from .drivers import Driver
 from .event_inputs import EventInput
 from .sampled_inputs import SampledInput
 from .supply import Supply
@@ -124,42 +123,6 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         if self.written:
             self.written = False
             self._hand_over(self.latched, self.writer)
-
-
-def handing_over(outputs: Iterable[SampledOutput[Any]]) -> Iterator[Callable[[], None]]:
-    """What hands over, at a tick of this run, what was written to each output since its last one; in one step for the
-    signals of an environment.
-    """
-    for simulated, group in groupby(outputs, lambda port: type(port.line) is Signal):
-        if simulated:
-            yield _handing_to_signals(list(group))
-        else:
-            yield from [port.tick for port in group]
-
-
-def _handing_to_signals(outputs: Sequence[SampledOutput[Any]]) -> Callable[[], None]:
-    scheduler = present()
-    lines = [(port, port.line) for port in outputs]
-    noted = [(port, port.line, *scheduler.port_log(port.name)) for port in outputs]
-    observe = scheduler.observe
-
-    def tick() -> None:
-        for port, signal in lines:
-            if port.written:
-                port.written = False
-                signal.value = value = port.latched
-                if observe is not None:
-                    observe(port.name, value, port.writer, None)
-
-    def noted_tick() -> None:
-        for port, signal, note_time, note_value in noted:
-            if port.written:
-                port.written = False
-                signal.value = value = port.latched
-                note_time(scheduler.now)
-                note_value(value)
-
-    return noted_tick if scheduler.port_logs else tick
 
 
 class EventOutput(_ExternalOutput[T], Generic[T]):

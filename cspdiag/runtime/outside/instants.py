@@ -6,22 +6,26 @@ outputs are handed over; then timers fall due.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 from math import gcd, lcm
-from typing import Any, NoReturn, Protocol, TypeAlias, cast
+from typing import Any, NoReturn, Protocol, TypeAlias
 
+from ..channels.selector import raise_bits
 from ..kernel.durations import ms
 from ..kernel.exceptions import EnvironmentFailure, fault_of
 from ..kernel.places import raised_by_program, statement_of
-from ..kernel.scheduler import Scheduler, Task
+from ..kernel.scheduler import Scheduler, Task, present
 from ..kernel.stopping import stopping
+from .drivers import Signal
 from .event_inputs import EventInput
-from .external import EventOutput, Port, SampledOutput, handing_over
-from .sampled_inputs import SampledEnd, SampledInput, sampling
+from .external import EventOutput, Port, SampledOutput
+from .sampled_inputs import SampledEnd, SampledInput
 from .ticks import Ticks
 
 Actions: TypeAlias = tuple[Callable[[], None], ...]
+_Passing: TypeAlias = "SampledInput[Any] | EventInput[Any] | SampledOutput[Any]"
+"""A port at which something happens at instants."""
 
 _REMEMBERED = 1 << 14
 """How many phases are remembered: all of any usual hyperperiod, and a bounded number if the common multiple of the
@@ -58,13 +62,84 @@ def failure_of(environment: str, error: BaseException) -> EnvironmentFailure:
     return EnvironmentFailure(environment, error, place)
 
 
-def _taking(ports: Iterable[SampledInput[Any] | EventInput[Any]], late: int) -> Iterator[Callable[[], None]]:
-    """What takes values over from inputs, in order."""
-    for is_sampled, group in groupby(ports, lambda port: isinstance(port, SampledInput)):
-        if is_sampled:
-            yield from sampling(cast("Iterable[SampledInput[Any]]", group), late)
+def _in_turn(ports: Sequence[_Passing], late: int) -> Iterator[Callable[[], None]]:
+    """What happens at ports, in order: inputs take values, and outputs hand them over. A sample whose tick has passed
+    together with the next one, as it is ``late``, is missed.
+    """
+
+    def is_simulated(port: _Passing) -> bool:
+        return type(port.line) is Signal and not (isinstance(port, SampledInput) and port.ticks.period <= late)
+
+    for simulated, group in groupby(ports, is_simulated):
+        if simulated:
+            yield _in_one_step(list(group))
         else:
-            yield from [port.at_grid() for port in cast("Iterable[EventInput[Any]]", group)]
+            yield from [_alone(port, late) for port in group]
+
+
+def _alone(port: _Passing, late: int) -> Callable[[], None]:
+    match port:
+        case SampledInput():
+            return port.skip if port.ticks.period <= late else port.sample
+        case EventInput():
+            return port.poll
+        case SampledOutput():
+            return port.tick
+
+
+def _in_one_step(ports: Sequence[_Passing]) -> Callable[[], None]:
+    """What happens at ports whose drivers are signals of an environment, inputs first: the same as one by one, in half
+    the time. The end of a sampled input with only one is served in place.
+    """
+    scheduler = present()
+    observe, log = scheduler.observe, scheduler.sample_log
+    sampled = [port for port in ports if isinstance(port, SampledInput)]
+    inputs: list[tuple[Any, Any, bool]] = [
+        (port, port.line, isinstance(port, SampledInput)) for port in ports if not isinstance(port, SampledOutput)
+    ]
+    outputs = [(port, port.line, *scheduler.port_log(port.name)) for port in ports if isinstance(port, SampledOutput)]
+    noted = [(port.line, *scheduler.port_log(port.name)) for port in sampled if port.name in scheduler.port_logs]
+    notes_outputs = bool(scheduler.port_logs)
+
+    def pass_on() -> None:
+        if noted:
+            for signal, note_time, note_value in noted:
+                note_time(scheduler.now)
+                note_value(signal.value)
+        elif log is not None:
+            log.extend(entry for port in sampled for entry in (scheduler.now, port.name, port.line.value))
+        enqueue = scheduler.enqueue
+        for port, signal, is_sampled in inputs:
+            value = signal.value
+            if not is_sampled:
+                if value != port.last:
+                    port.last = value
+                    port.occur(value)
+                continue
+            port.latest = value
+            end = port.only
+            if end is not None and not end.fresh:
+                end.value = value
+                end.fresh = True
+                waiter = end.waiter
+                if waiter is not None:
+                    end.waiter = None
+                    enqueue(waiter.entry)
+                if end.inputs:
+                    raise_bits(end.inputs)
+            elif port.listening is None or port.listening:
+                port.hand_out(value)
+        for output, signal, note_time, note_value in outputs:
+            if output.written:
+                output.written = False
+                signal.value = value = output.latched
+                if notes_outputs:
+                    note_time(scheduler.now)
+                    note_value(value)
+                elif observe is not None:
+                    observe(output.name, value, output.writer, None)
+
+    return pass_on
 
 
 class _Phase:
@@ -230,7 +305,7 @@ class Instants:
                         outputs.append(port)
                 case EventOutput():
                     pass
-        return (*_taking(inputs, late), *handing_over(outputs))
+        return tuple(_in_turn((*inputs, *outputs), late))
 
     def port_can_have_effect(self) -> bool:
         """Whether anything at a later instant, except timers, can make a process ready or hand over a value."""

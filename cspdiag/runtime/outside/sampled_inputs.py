@@ -7,8 +7,7 @@ when a reader takes it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from itertools import groupby
+from collections.abc import Generator
 from types import coroutine
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -20,7 +19,7 @@ from ..kernel.exceptions import Cancelled, ChannelMisuse, Timeout
 from ..kernel.party import Party
 from ..kernel.scheduler import Task, present
 from .accepted import Accept
-from .drivers import NO_SAMPLE, Driver, Signal, name_of
+from .drivers import NO_SAMPLE, Driver, name_of
 from .supply import Supply
 from .ticks import Ticks
 
@@ -359,52 +358,3 @@ class SampledInput(In[T]):
         """An end at which a reader or an alternative waits for a sample that will arrive, or None."""
         waiting = (end for end in self.listening_ends() if end.waiter is not None or end.alternative_waits())
         return None if self.driver is None else next(waiting, None)
-
-
-def sampling(inputs: Iterable[SampledInput[Any]], late: int) -> Iterator[Callable[[], None]]:
-    """What takes, at a tick of this run, the samples of the inputs in order; in one step those of an environment's
-    signals. A sample whose tick has passed together with the next one, as it is ``late``, is missed.
-    """
-
-    def is_simulated(port: SampledInput[Any]) -> bool:
-        return type(port.line) is Signal and port.ticks.period > late
-
-    for simulated, group in groupby(inputs, is_simulated):
-        if simulated:
-            yield _sampling_signals(list(group))
-        else:
-            yield from [port.skip if port.ticks.period <= late else port.sample for port in group]
-
-
-def _sampling_signals(inputs: Sequence[SampledInput[Any]]) -> Callable[[], None]:
-    """The end of an input with only one is served in place."""
-    scheduler = present()
-    log = scheduler.sample_log
-    lines = [(port, port.line) for port in inputs]
-    noted = [(signal, *scheduler.port_log(port.name)) for port, signal in lines if port.name in scheduler.port_logs]
-
-    def sample() -> None:
-        if noted:
-            now = scheduler.now
-            for signal, note_time, note_value in noted:
-                note_time(now)
-                note_value(signal.value)
-        elif log is not None:
-            log.extend(entry for port, signal in lines for entry in (scheduler.now, port.name, signal.value))
-        enqueue = scheduler.enqueue
-        for port, signal in lines:
-            port.latest = value = signal.value
-            end = port.only
-            if end is not None and not end.fresh:
-                end.value = value
-                end.fresh = True
-                waiter = end.waiter
-                if waiter is not None:
-                    end.waiter = None
-                    enqueue(waiter.entry)
-                if end.inputs:
-                    raise_bits(end.inputs)
-            elif port.listening is None or port.listening:
-                port.hand_out(value)
-
-    return sample
