@@ -170,6 +170,18 @@ def test_the_longest_times_are_those_that_the_timing_analysis_reads(tmp_path: Pa
     assert (found.path, found.longest, found.what) == ("Machine", 10_000, "thread")
 
 
+def test_an_exception_and_a_deadlock_are_reported_before_the_outputs_are_released(tmp_path: Path) -> None:
+    need("gcc")
+    main = HERE / "devices" / "failing.c"
+    program = by_the_interface(tmp_path, "tests/c_kernel/devices/failing.csp", main, "gcc")
+    assert run(program).splitlines() == [
+        "failed 1, cause 2 at 0 ns in Failing, failing.csp:17, exception Broken; released 0",
+        f"state {FAILED}, released 1",
+        "failed 1, cause 3 at 0 ns in none, nowhere, exception none; released 0",
+        f"state {DEADLOCK}, released 1",
+    ]
+
+
 def test_a_failure_is_reported_once_before_the_outputs_are_released(machine: Path) -> None:
     assert run(machine, "fail").splitlines() == [
         "failed 0",

@@ -48,6 +48,12 @@ class Compiler:
     version: str
 
 
+_CHOICE = (
+    "help: the environment variable CC names the C compiler, as in CC=clang; without it the first of cc, gcc and clang is "
+    "used"
+)
+
+
 def find_compiler() -> Compiler:
     """The compiler of the environment variable CC, or else the first of cc, gcc and clang. Raises CompilerError."""
     wanted = os.environ.get("CC")
@@ -57,7 +63,7 @@ def find_compiler() -> Compiler:
         if command and shutil.which(command[0]) is not None:
             return Compiler(command, _version(command))
     if wanted:
-        raise CompilerError(f"CC is {wanted}, and there is no such command")
+        raise CompilerError(f"CC is {wanted}, and there is no such command\n  {_CHOICE}")
     raise CompilerError(
         "--target c needs a C compiler: install gcc or clang (Debian, Ubuntu: apt install gcc; macOS: xcode-select "
         "--install), "
@@ -230,7 +236,12 @@ class Build:
         if done.returncode != 0:
             if patience is not None and time.monotonic() - began >= patience:
                 raise CompilationTimeoutError(f"{command[0]} computes for more than {patience} s")
-            messages = done.stderr.strip() or f"exit code {done.returncode}"
+            messages = done.stderr.strip() or done.stdout.strip()
+            if not messages:
+                code = done.returncode
+                raise CompilerError(
+                    f"the compiler {command[0]} ended with exit code {code} and no message\n  {_CHOICE}"
+                )
             raise CompilerError(f"{command[0]} failed:\n{explained(messages, self.files, scratch)}")
 
 

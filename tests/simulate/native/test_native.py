@@ -252,6 +252,14 @@ def test_without_a_compiler_the_message_says_what_to_install(monkeypatch: pytest
         find_compiler()
 
 
+def test_a_compiler_that_fails_without_a_message_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("CC", "false")
+    with pytest.raises(
+        CompilerError, match=r"the compiler false ended with exit code 1 and no message\n  help: .*CC=clang"
+    ):
+        Build({"law.c": "int a;\n"}, ["law.c"], folder=tmp_path / "cache").executable()
+
+
 def test_messages_of_a_compiler_name_places_in_the_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     files = {"law.c": "int a; /* laws.csp:3 */\nint b;\n"}
     script = (
