@@ -49,8 +49,8 @@ class Compiler:
 
 
 _CHOICE = (
-    "help: the environment variable CC names the C compiler, as in CC=clang; without it the first of cc, gcc and clang is "
-    "used"
+    "help: the environment variable CC names the C compiler, as in CC=clang; without it the first of cc, gcc and clang "
+    "is used"
 )
 
 

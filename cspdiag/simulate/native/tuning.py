@@ -82,6 +82,18 @@ def given_changes(network: CoreNetwork, changes: Iterable[Change], *, live: bool
         yield GivenChanges((), ())
 
 
+def why_refused(network: CoreNetwork, made: Sequence[Change], refused: Change) -> str:
+    """Why a program that has made some changes does not make another one: the reason that the reference semantics give.
+
+    The program reports only that it has not made it.
+    """
+    from cspdiag.semantics.equations import parameters as semantics
+
+    changes = [semantics.Change(0, change.parameter, change.path, change.value) for change in (*made, refused)]
+    parameters = semantics.Parameters(network.parameters, changes)
+    return parameters.reach(0)[-1][1]
+
+
 class ChangeWriter:
     """Makes records of changes, and remembers the changes by their numbers."""
 
