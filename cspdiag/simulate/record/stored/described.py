@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import zlib
 from typing import Any, Literal, assert_never
 
 from cspdiag.base.record import record
@@ -69,8 +71,8 @@ def head_of(network: CoreNetwork, environment: Environment | None) -> RecordingH
 
 
 def head_data(head: RecordingHead) -> dict[str, Any]:
-    """The head as JSON has it."""
-    return {
+    """The head as JSON has it, with a checksum: what formats add for the values does not cover it."""
+    data = {
         "process": head.process,
         "environment": head.environment,
         "source": head.source,
@@ -82,10 +84,21 @@ def head_data(head: RecordingHead) -> dict[str, Any]:
             for port in head.ports
         ],
     }  # fmt: skip
+    return data | {"checksum": _checksum(data)}
+
+
+def _checksum(data: Any) -> int:
+    return zlib.crc32(json.dumps(data).encode())
 
 
 def head_from(data: Any) -> RecordingHead:
-    """The head from what JSON has; raises ValueError, KeyError or TypeError for anything else."""
+    """The head from what JSON has; raises ValueError, KeyError or TypeError for anything else. Recordings of earlier
+    versions have no checksum.
+    """
+    own = dict(data)
+    expected = own.pop("checksum", None)
+    if expected is not None and expected != _checksum(own):
+        raise ValueError("what it says of its signals does not fit its checksum")
     ports = (
         RecordedPort(entry["name"], type_from(entry["type"]), entry["direction"], entry["period"], entry["offset"])
         for entry in data["ports"]

@@ -35,7 +35,18 @@ def reading(path: str) -> Iterator[None]:
     try:
         yield
     except _OF_DAMAGED_FILES as problem:
-        raise RecordingError(f"{path} is damaged: {problem or type(problem).__name__}") from problem
+        raise damaged(path, problem) from problem
+    except OSError as problem:
+        if problem.filename is not None:
+            raise
+        raise damaged(path, problem) from problem  # A place that is not in the file, or whatever else pyarrow found.
+
+
+def damaged(path: str, problem: object) -> RecordingError:
+    """The exception for a file that is damaged, from that of its reader, which may quote bytes of the file."""
+    printable = "".join(character if character.isprintable() else " " for character in str(problem))
+    account = " ".join(printable.split()).rstrip(".: ") or type(problem).__name__
+    return RecordingError(f"{path} is damaged: {account}; record the run again")
 
 
 _OF_DAMAGED_FILES = (

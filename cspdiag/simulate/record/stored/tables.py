@@ -6,7 +6,7 @@ import csv
 import json
 import zipfile
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.errors import missing_package
@@ -43,33 +43,43 @@ def open_archive(path: str) -> StoredRecording:
     import numpy
 
     try:
-        archive = numpy.load(path, allow_pickle=False)
         with zipfile.ZipFile(path) as entries:
             comment = entries.comment
-    except (ValueError, zipfile.BadZipFile) as problem:
+    except zipfile.BadZipFile as problem:
         raise RecordingError(f"{path} is no archive of numpy, or was cut: {problem}") from None
     head, ended, time = None, "", 0
-    with suppress(ValueError, KeyError, TypeError):
+    if comment:
         about = json.loads(comment)
         head, ended, time = head_from(about["cspdiag"]), about["ended"], about["time"]
     typed = head is not None
     if head is None:
-        names = [name for name in archive.files if f"{name}.time" in archive.files]
-        ports = tuple(RecordedPort(name, _of_dtype(archive[name].dtype, path, name), "in") for name in names)
+        with _archive(path) as archive:
+            names = [name for name in archive.files if f"{name}.time" in archive.files]
+            ports = tuple(RecordedPort(name, _of_dtype(archive[name].dtype, path, name), "in") for name in names)
         if not ports:
             raise RecordingError(f"{path} is no recording: it has no array NAME with its instants NAME.time")
         head = RecordingHead("", "", "", ports)
 
     def read(positions: Sequence[int]) -> Iterator[Sequence[Block]]:
         found = []
-        for position in positions:
-            name = head.ports[position].name
-            instants = numpy.round(archive[f"{name}.time"] * 1e9).astype(numpy.int64)
-            found.append(Block(position, instants, archive[name]))
+        with _archive(path) as archive:
+            for position in positions:
+                name = head.ports[position].name
+                instants = numpy.round(archive[f"{name}.time"] * 1e9).astype(numpy.int64)
+                found.append(Block(position, instants, archive[name]))
         yield [block for block in found if len(block.time)]
 
     last = max((int(block.time[-1]) for part in read(range(len(head.ports))) for block in part), default=0)
     return StoredRecording(path, "archive of numpy", head, read, True, ended, time if typed else last, typed)
+
+
+@contextmanager
+def _archive(path: str) -> Iterator[Any]:
+    """The arrays by their names; the file is closed even if numpy cannot read it."""
+    import numpy
+
+    with open(path, "rb") as file, numpy.load(file, allow_pickle=False) as archive:
+        yield archive
 
 
 def _of_dtype(kind: Any, path: str, name: str) -> Type:
@@ -236,18 +246,19 @@ def open_parquet(path: str) -> StoredRecording:
     except ImportError:
         raise missing_package("pyarrow", "parquet") from None
     try:
-        file = parquet.ParquetFile(path)
-        about = json.loads((file.schema_arrow.metadata or {})[b"cspdiag"])
+        with parquet.ParquetFile(path) as file:
+            about = json.loads((file.schema_arrow.metadata or {})[b"cspdiag"])
         head = head_from(about["cspdiag"])
-    except pyarrow.ArrowInvalid as problem:
+    except pyarrow.ArrowException as problem:
         raise RecordingError(f"{path} is no Parquet file, or was cut: {problem}") from None
     except (KeyError, ValueError, TypeError):
         raise RecordingError(f"{path} is not a recording of cspdiag: it does not say what its signals are") from None
 
     def read(positions: Sequence[int]) -> Iterator[Sequence[Block]]:
-        for batch in parquet.ParquetFile(path).iter_batches(_ROWS):
-            found = [_of_batch(batch, position, head.ports[position]) for position in positions]
-            yield [block for block in found if len(block.time)]
+        with parquet.ParquetFile(path, page_checksum_verification=True) as file:
+            for batch in file.iter_batches(_ROWS):
+                found = [_of_batch(batch, position, head.ports[position]) for position in positions]
+                yield [block for block in found if len(block.time)]
 
     return StoredRecording(path, "Parquet", head, read, True, about["ended"], about["time"])
 

@@ -49,7 +49,8 @@ def write_parquet(recording: StoredRecording, file: PartFile) -> None:
     fields = [pyarrow.field("time", pyarrow.int64(), nullable=False, metadata={"unit": "ns"})]
     fields += [pyarrow.field(name, _type(kind), metadata=_facts(kind)) for _, name, kind, _ in columns]
     schema = pyarrow.schema(fields, metadata={"cspdiag": json.dumps(about)})
-    with parquet.ParquetWriter(pyarrow.PythonFile(Stream(file), mode="w"), schema) as writer:
+    output = pyarrow.PythonFile(Stream(file), mode="w")
+    with parquet.ParquetWriter(output, schema, write_page_checksum=True) as writer:
         for parts in _groups(recording):
             tables = []
             for blocks in parts:
