@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -30,7 +31,7 @@ def partial_path(output: Path) -> Path:
 
 class PartialTable:
     """Writes results to a file, a line of CSV each, in the order in which they are known. Its first line identifies the
-    sweep.
+    sweep; each line ends with a checksum of itself.
     """
 
     def __init__(self, plan: Plan, output: Path, *, resume: bool, version: str) -> None:
@@ -42,22 +43,25 @@ class PartialTable:
         mark = f"{_MARK}{plan.token(version)}"
         self.known: Mapping[int, Result] = {}
         """The results of an earlier process."""
+        self.damaged: tuple[int, ...] = ()
+        """The numbers of the lines that are damaged, whose results are not known."""
         length = 0
         if self.path.exists():
             if not resume:
                 raise ResumeError(
                     f"{self.path} has results of an interrupted sweep: --resume continues it; otherwise remove it"
                 )
-            self.known, length = _read(plan, self.path, mark)
+            self.known, self.damaged, length = _read(plan, self.path, mark)
         self._file: BinaryIO = open(self.path, "r+b" if length else "wb", buffering=0)  # noqa: SIM115
         self._file.seek(length)
         self._file.truncate()
         if not length:
-            self._write(f"{mark}\n{csv_line(columns_of(plan.grid, plan.measures))}")
+            self._write(f"{mark}\n{csv_line([*columns_of(plan.grid, plan.measures), 'checksum'])}")
 
     def add(self, run: int, result: Result) -> None:
         """Write a result. Raises OSError, with the name of the file, if there is no room."""
-        self._write(csv_line(cells_of(self._plan.grid, run, result)))
+        line = csv_line(cells_of(self._plan.grid, run, result)).rstrip("\n")
+        self._write(f"{line},{zlib.crc32(line.encode())}\n")
 
     def _write(self, text: str) -> None:
         data = text.encode()
@@ -81,23 +85,44 @@ class PartialTable:
         self._file.close()
 
 
-def _read(plan: Plan, path: Path, mark: str) -> tuple[dict[int, Result], int]:
-    """The results in a file, and the length of its part that is whole: the process may have ended in a line."""
+def _read(plan: Plan, path: Path, mark: str) -> tuple[dict[int, Result], tuple[int, ...], int]:
+    """The results in a file, the numbers of its damaged lines, and the length of its part that is whole: the process
+    may have ended in a line.
+    """
     data = path.read_bytes()
     whole = data[: data.rfind(b"\n") + 1]
-    lines = whole.decode("utf-8", "replace").splitlines(keepends=True)
+    lines = whole.split(b"\n")[:-1]
     if not lines:
-        return {}, 0
-    if lines[0].rstrip() != mark:
+        return {}, (), 0
+    if lines[0] != mark.encode():
         raise ResumeError(
             f"{path} belongs to another sweep: the program, the values, the measures or the version of cspdiag were "
             "others; remove it to begin again"
         )
-    found: dict[int, Result] = {}
+    found: dict[int, tuple[bytes, Result]] = {}
+    damaged = []
+    for number, line in enumerate(lines[2:], 3):
+        entry = _entry(plan, line)
+        if entry is None:
+            damaged.append(number)
+            continue
+        run, result = entry
+        if found.setdefault(run, (line, result))[0] != line:
+            raise ResumeError(
+                f"{path}:{number}: has another result of run {run} than a line before it; "
+                "remove the file to begin again"
+            )
+    return {run: result for run, (_, result) in found.items()}, tuple(damaged), len(whole)
+
+
+def _entry(plan: Plan, line: bytes) -> tuple[int, Result] | None:
+    """A run and its result; None if the line is not as it was written."""
+    text, _, checksum = line.rpartition(b",")
+    if checksum != str(zlib.crc32(text)).encode():
+        return None
+    (row,) = csv.reader([text.decode()])
     first = len(plan.grid.axes) + 1
     last = first + len(plan.measures.measures)
-    for row in csv.reader(lines[2:]):
-        measured = tuple(float(cell) if cell else None for cell in row[first:last])
-        ended = next(known for known in ENDINGS if known == row[last])
-        found[int(row[0])] = Result(ended, float(row[last + 1]), row[last + 2], measured)
-    return found, len(whole)
+    measured = tuple(float(cell) if cell else None for cell in row[first:last])
+    ended = next(known for known in ENDINGS if known == row[last])
+    return int(row[0]), Result(ended, float(row[last + 1]), row[last + 2], measured)

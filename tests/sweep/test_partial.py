@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import resource
 from pathlib import Path
 
@@ -50,6 +51,42 @@ def test_a_line_that_was_cut_is_written_again(plan: Plan, tmp_path: Path, lost: 
         table.add(3, RESULT)
     with opened(plan, tmp_path) as table:
         assert table.known == {7: RESULT, 3: RESULT}
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_damaged_line_is_not_used(plan: Plan, tmp_path: Path, seed: int) -> None:
+    with opened(plan, tmp_path, resume=False) as table:
+        for run in (7, 2, 5):
+            table.add(run, RESULT)
+        path = table.path
+    lines = path.read_bytes().splitlines(keepends=True)
+    chance = random.Random(seed)
+    damaged = bytearray(lines[3])
+    match chance.randrange(3):
+        case 0:
+            damaged[chance.randrange(len(damaged) - 1)] ^= 1 + chance.randrange(15)
+        case 1:
+            del damaged[chance.randrange(len(damaged) - 1)]
+        case _:
+            damaged[:-1] = bytes(len(damaged) - 1)
+    path.write_bytes(b"".join((*lines[:3], damaged, *lines[4:])))
+    with opened(plan, tmp_path) as table:
+        assert table.known == {7: RESULT, 5: RESULT}
+        assert set(table.damaged) in ({4}, {4, 5})  # A byte became a line end.
+        table.add(2, RESULT)
+    with opened(plan, tmp_path) as table:
+        assert table.known == {7: RESULT, 5: RESULT, 2: RESULT}
+
+
+def test_two_results_of_one_run_are_refused(plan: Plan, tmp_path: Path) -> None:
+    with opened(plan, tmp_path, resume=False) as table:
+        table.add(2, RESULT)
+        table.add(2, RESULT)
+    with opened(plan, tmp_path) as table:
+        assert table.known == {2: RESULT}
+        table.add(2, Result("terminated", 1.0, "", (1.0, 2.0)))
+    with pytest.raises(ResumeError, match=r"partial:5: has another result of run 2 .* remove the file"):
+        opened(plan, tmp_path)
 
 
 def test_another_version_makes_another_sweep(plan: Plan, tmp_path: Path) -> None:

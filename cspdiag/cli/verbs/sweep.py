@@ -165,11 +165,19 @@ def _swept(arguments: Namespace, plan: Plan) -> Sweep | None:
     except ResumeError as problem:
         raise UsageError(str(problem)) from None
     with partial:
+        if partial.damaged:
+            _say_damaged(partial)
         sweep = _with_results(arguments, plan, partial)
         if sweep is not None:
             _write(sweep, arguments.output)
             partial.remove()
     return sweep
+
+
+def _say_damaged(partial: PartialTable) -> None:
+    count = len(partial.damaged)
+    runs = "the line is damaged, and its run is" if count == 1 else f"{count} lines are damaged, and their runs are"
+    say(f"cspdiag: {partial.path}:{partial.damaged[0]}: {runs} made again")
 
 
 def _write(sweep: Sweep, path: Path) -> None:
