@@ -221,12 +221,15 @@ def _built(arguments: Namespace) -> Built:
 def _recorded(arguments: Namespace, built: Built, until: int | None) -> tuple[Run, Recording | None]:
     """The run, and its recording, which is not finished."""
     from cspdiag.cli.support.runs.tuned import tuning_of
+    from cspdiag.simulate.record.stored.inputs import with_environment
     from cspdiag.simulate.record.streamed.formats import part_of
     from cspdiag.simulate.run.execute import NoEnvironmentError
 
     program, network = built.checked.program, built.network
     assert program is not None
     assert network is not None
+    if arguments.inputs is not None and arguments.environment is None:
+        network = with_environment(network)
     try:
         tuning = tuning_of(arguments, program, network)
         inputs = given_inputs(arguments, network)

@@ -141,6 +141,13 @@ def _step(
             return step
         if isinstance(step, int):
             report.add(EnvironmentStepNotPositive(definition.step.span))
+    return grid_of(ports)
+
+
+def grid_of(ports: tuple[ExternalPort, ...]) -> int:
+    """The step of an environment that does not declare one, in nanoseconds: the greatest common divisor of the periods
+    of the ports, or else a millisecond.
+    """
     return math.gcd(*(port.sampling.period for port in ports if port.sampling)) or MILLISECOND
 
 

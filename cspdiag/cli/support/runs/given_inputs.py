@@ -31,7 +31,7 @@ def given_inputs(arguments: Namespace, network: CoreNetwork) -> RecordedInputs |
 
     environment = chosen_environment(network, arguments.environment)
     if environment is None:
-        raise UsageError("--inputs is for programs with an environment")
+        raise UsageError("--inputs is for programs with ports: this one has none")
     if environment.drivers:
         raise UsageError(f"--inputs: {environment.name} has devices; choose an environment that is only simulated")
     try:

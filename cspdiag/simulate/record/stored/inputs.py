@@ -12,7 +12,7 @@ from heapq import merge
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, assert_never
 
-from cspdiag.base.record import record
+from cspdiag.base.record import record, replaced
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -25,7 +25,11 @@ from cspdiag.model.types import (
     Type,
     UnknownType,
 )
-from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort
+from cspdiag.network.ir.equations import SubmodelEquation
+from cspdiag.network.ir.expressions import LiteralValue
+from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort, Port, SubmodelClass
+from cspdiag.network.lower.distinct_names import DistinctNames
+from cspdiag.network.lower.environments import grid_of
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.simulate.record.stored.described import RecordedPort, head_of
 from cspdiag.simulate.record.stored.parameters import recorded_changes
@@ -35,6 +39,9 @@ if TYPE_CHECKING:
     import numpy
 
     from cspdiag.runtime.kernel.parameters import Change as ParameterChange
+
+ENVIRONMENT = "Recorded"
+"""The name of the environment of a program without one."""
 
 Change = tuple[int, int, Any]
 """An instant in nanoseconds, the position of the input, its value from then on."""
@@ -82,6 +89,48 @@ class RecordedInputs:
                     if value != last or port.kind != "broadcast":
                         yield offered, index, value
                     last = value
+
+
+def with_environment(network: CoreNetwork) -> CoreNetwork:
+    """The network with an environment in which a recording can take the place of one, if the program has ports and no
+    environment. Its grid is that of an environment without ``step``.
+    """
+    if network.environments or not network.external_ports:
+        return network
+    top = network.class_named(network.top)
+    taken = {*network.exceptions, *(item.name for item in (*network.classes, *network.enums, *network.structs))}
+    name = DistinctNames(taken).fresh(ENVIRONMENT, lambda number: f"{ENVIRONMENT}_{number}")
+    own: dict[str, Any] = {"name": name, "doc": None, "span": top.span}
+    system = SubmodelClass(
+        definition=name,
+        ports=tuple(
+            Port(
+                name=port.name,
+                doc=port.doc,
+                span=port.span,
+                direction="in" if port.direction == "out" else "out",
+                type=port.type,
+            )
+            for port in network.external_ports
+        ),
+        equations=tuple(
+            SubmodelEquation(
+                name=port.name,
+                type=port.type,
+                value=LiteralValue(type=port.type, value=_of_literal(_zero(port.type))),
+                span=port.span,
+            )
+            for port in network.external_ports
+            if port.direction == "in"
+        ),
+        **own,
+    )
+    step = grid_of(network.external_ports)
+    return replaced(network, environments=(Environment(system=system, drivers=(), step=step, **own),))
+
+
+def _of_literal(value: Any) -> Any:
+    return tuple(map(_of_literal, value)) if isinstance(value, list) else value
 
 
 def recorded_inputs(network: CoreNetwork, environment: Environment, recording: StoredRecording) -> RecordedInputs:

@@ -19,7 +19,7 @@ from cspdiag.base.files.whole import require_name_of_file
 class Sink(Protocol):
     """Where bytes go: all that are given, or OSError is raised."""
 
-    def write(self, data: bytes) -> object:
+    def write(self, data: bytes | memoryview) -> object:
         """Write all of them."""
         ...
 
@@ -64,7 +64,7 @@ class PartFile:
             )
         self._seekable = not self.is_device and stat.S_ISREG(os.fstat(self._descriptor).st_mode)
 
-    def write(self, data: bytes) -> object:
+    def write(self, data: bytes | memoryview) -> object:
         """See ``Sink``."""
         rest = memoryview(data)
         while rest:

@@ -198,3 +198,96 @@ def test_what_has_a_time_of_its_own_is_refused(
     program.write_text(PROGRAM)
     assert run(program, "--inputs", str(tmp_path / "run.mcap"), *option) == 2
     assert f"--inputs is not for {option[0]}" in capsys.readouterr().err
+
+
+ALONE = """\
+enum Mode { off, on }
+struct Pose { x: double  n: int }
+process Main {
+  in  level : double @ 10 ms
+  in  stop  : bool
+  in  pose  : Pose @ 20 ms
+  in  mode  : Mode @ 20 ms
+  in  gyro  : double[2] @ 20 ms
+  out seen  : double @ 10 ms
+  communication {
+    a : Loop
+    b : Other
+
+    level  -> a.level
+    stop   -> a.stop
+    a.seen -> seen
+    pose   -> b.pose
+    mode   -> b.mode
+    gyro   -> b.gyro
+  }
+  composition { a || b }
+}
+process Loop {
+  in  level : double @ 10 ms
+  in  stop  : bool
+  out seen  : double @ 10 ms
+  communication { var x : double = 0  var s : bool = false }
+  composition { mu (stop ? s -> skip []> level ? x -> seen ! (if s then -x else x)) }
+}
+process Other {
+  in  pose  : Pose @ 20 ms
+  in  mode  : Mode @ 20 ms
+  in  gyro  : double[2] @ 20 ms
+  communication {
+    var p : Pose      = Pose(x = 0, n = 0)
+    var m : Mode      = Mode.off
+    var g : double[2] = [0, 0]
+  }
+  composition { mu (pose ? p || mode ? m || gyro ? g) }
+}
+"""
+ITS_ENVIRONMENT = """
+submodel Plant {
+  in seen : double
+  out level : double
+  out stop : bool
+  out pose : Pose
+  out mode : Mode
+  out gyro : double[2]
+  level = time / 1<s>
+  stop = time > 55 ms and time < 95 ms
+  pose = Pose(x = seen, n = 3)
+  mode = if time > 50 ms then Mode.on else Mode.off
+  gyro = [level, 2]
+}
+environment Bench for Main {
+  plant : Plant
+  seen        -> plant.seen
+  plant.level -> level
+  plant.stop  -> stop
+  plant.pose  -> pose
+  plant.mode  -> mode
+  plant.gyro  -> gyro
+}
+"""
+
+
+def test_a_program_without_an_environment_has_the_trace_of_a_recorded_run_as_well(tmp_path: Path) -> None:
+    alone, whole = tmp_path / "alone.csp", tmp_path / "whole.csp"
+    alone.write_text(ALONE)
+    whole.write_text(ALONE + ITS_ENVIRONMENT)
+    recorded, again, expected = (str(tmp_path / name) for name in ("run.mcap", "again.csv", "expected.csv"))
+    assert main(["run", str(whole), "--for", "200ms", "--record", recorded]) == 0
+    assert main(["show", recorded, "--save", expected]) == 0
+    for target in TARGETS:
+        try:
+            find_compiler()
+        except CompilerError:
+            if "c" in target:
+                continue
+        assert main(["run", str(alone), *target, "--inputs", recorded, "--record", again]) == 0
+        assert Path(again).read_bytes() == Path(expected).read_bytes(), target
+
+
+def test_a_program_without_ports_has_no_inputs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program, recorded = tmp_path / "main.csp", tmp_path / "run.csv"
+    program.write_text("process Main { composition { skip } }\n")
+    recorded.write_text("time,level\n0.01,1\n")
+    assert main(["run", str(program), "--inputs", str(recorded)]) == 2
+    assert "--inputs is for programs with ports: this one has none" in capsys.readouterr().err

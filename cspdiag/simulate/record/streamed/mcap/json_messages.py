@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import struct
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, assert_never
 
 from cspdiag.model.types import (
@@ -18,9 +20,47 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.simulate.record.files import readable
+from cspdiag.simulate.record.streamed.blocks import Block, in_order
+from cspdiag.simulate.record.streamed.mcap.mcap_records import HEAD_OF_MESSAGE, Opcode
 
 if TYPE_CHECKING:
     import numpy
+
+
+class JsonChunk:
+    """The messages of some blocks in order of time: ``size`` bytes in all. ``kinds`` are the types of all ports,
+    ``numbers`` how many messages each has had.
+    """
+
+    def __init__(self, blocks: Sequence[Block], kinds: Sequence[Type], numbers: Mapping[int, int]) -> None:
+        found: list[bytes] = []
+        pack = struct.Struct("<BQHIQQ").pack
+        for block in blocks:
+            port, first = block.port, numbers[block.port]
+            bodies = json_messages(block.value, kinds[port])
+            for number, (time, body) in enumerate(zip(block.time.tolist(), bodies, strict=True), first):
+                length = HEAD_OF_MESSAGE - 9 + len(body)
+                found.append(pack(Opcode.MESSAGE, length, port + 1, number & 0xFFFFFFFF, time, time) + body)
+        order = in_order(blocks).tolist()
+        self._counts = [len(block.time) for block in blocks]
+        self._offsets = [0] * len(found)
+        self.size = 0
+        for at in order:
+            self._offsets[at] = self.size
+            self.size += len(found[at])
+        self._data = b"".join([found[at] for at in order])
+
+    def offsets(self) -> list[numpy.ndarray]:
+        """Where each message of each block is."""
+        import numpy
+
+        return numpy.split(numpy.array(self._offsets, numpy.int64), numpy.cumsum(self._counts)[:-1])
+
+    def write(self, into: numpy.ndarray, numbers: Sequence[int]) -> None:
+        """Write the messages."""
+        import numpy
+
+        into[...] = numpy.frombuffer(self._data, numpy.uint8)
 
 
 def json_schema(kind: Type) -> str:

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Literal
 
 from cspdiag.base.record import record
 from cspdiag.simulate.record.stored.described import RecordingHead, head_data
-from cspdiag.simulate.record.streamed.blocks import Block, in_order
+from cspdiag.simulate.record.streamed.blocks import Block
 from cspdiag.simulate.record.streamed.mcap import mcap_records as mcap
-from cspdiag.simulate.record.streamed.mcap.json_messages import json_messages, json_schema
+from cspdiag.simulate.record.streamed.mcap.fixed_messages import FixedChunk, FixedMessages
+from cspdiag.simulate.record.streamed.mcap.json_messages import JsonChunk, json_schema
 from cspdiag.simulate.record.streamed.mcap.mcap_records import Opcode
-from cspdiag.simulate.record.streamed.mcap.messages import Message, encoded, message_of, topics
+from cspdiag.simulate.record.streamed.mcap.messages import Message, message_of, topics
 from cspdiag.simulate.record.streamed.part_file import PartFile, Sink
 
 if TYPE_CHECKING:
@@ -25,7 +26,9 @@ Encoding = Literal["ros2", "json"]
 METADATA = "cspdiag"
 END = "cspdiag.end"
 """The names of the metadata at the beginning and at the end."""
-_HEAD_OF_MESSAGE = 31
+_HEAD_OF_INDEX = 15
+"""The bytes of a message index before its entries."""
+_INDEX_ENTRY = 16
 
 
 @record
@@ -48,6 +51,8 @@ class McapFile:
     """See ``Writer``. The file is opened for writing, at its beginning; it needs no places if it is a pipe."""
 
     def __init__(self, file: Sink, head: RecordingHead, encoding: Encoding) -> None:
+        import numpy
+
         self._file = file
         self._head = head
         self._encoding = encoding
@@ -58,6 +63,13 @@ class McapFile:
         self._counts = dict.fromkeys(range(len(head.ports)), 0)
         self._schemas: list[bytes] = []
         self._channels: list[bytes] = []
+        self._fixed = [
+            FixedMessages(position, message, port.type)
+            for position, (port, message) in enumerate(zip(head.ports, self._messages, strict=True))
+            if message is not None
+        ]
+        self._room: numpy.ndarray = numpy.empty(0, numpy.uint8)
+        """Memory for a chunk."""
         self._describe()
         self._seeks = file.seekable()
         self._end = 0
@@ -99,81 +111,49 @@ class McapFile:
             self._channels.append(mcap.channel(number, schema, topic, "cdr" if message else "json", facts))
 
     def write(self, blocks: Sequence[Block]) -> None:
-        """See ``Writer.write``."""
+        """See ``Writer.write``: the chunk, its indexes and a new end of the file, made in memory that is used again."""
         import numpy
 
         blocks = [block for block in blocks if len(block.time)]
         if not blocks:
             return
-        order = in_order(blocks)
-        data, offsets = self._encoded(blocks, order)
+        chunk: FixedChunk | JsonChunk
+        if self._encoding == "json":
+            chunk = JsonChunk(blocks, [port.type for port in self._head.ports], self._counts)
+        else:
+            chunk = FixedChunk(blocks, self._fixed, [port.period for port in self._head.ports])
+        index_start = mcap.CHUNK_HEAD + chunk.size
+        size = index_start + sum(_HEAD_OF_INDEX + _INDEX_ENTRY * len(block.time) for block in blocks)
+        tail = mcap.DATA_END + mcap.footer() if self._seeks else b""
+        if len(self._room) < size + len(tail):
+            self._room = numpy.empty((size + len(tail)) * 5 // 4, numpy.uint8)
+        whole = memoryview(self._room)[: size + len(tail)]  # type: ignore[arg-type]
+        chunk.write(self._room[mcap.CHUNK_HEAD : index_start], [self._counts[block.port] for block in blocks])
         first = min(int(block.time[0]) for block in blocks)
         last = max(int(block.time[-1]) for block in blocks)
-        written = mcap.chunk(data, first, last)
+        messages = whole[mcap.CHUNK_HEAD : index_start]
+        whole[: mcap.CHUNK_HEAD] = mcap.chunk_head(messages, chunk.size, first, last)
+        start, at = self._end, index_start
         indexes: dict[int, int] = {}
-        parts = [written]
-        position = self._end + len(written)
-        index_start, begin = position, 0
-        for block in blocks:
-            entries = numpy.empty((len(block.time), 2), "<u8")
+        for block, offsets in zip(blocks, chunk.offsets(), strict=True):
+            indexes[block.port + 1] = start + at
+            length = _INDEX_ENTRY * len(block.time)
+            head = struct.pack("<BQHI", Opcode.MESSAGE_INDEX, 6 + length, block.port + 1, length)
+            whole[at : at + _HEAD_OF_INDEX] = head
+            at += _HEAD_OF_INDEX
+            entries = self._room[at : at + length].view("<u8").reshape(-1, 2)
             entries[:, 0] = block.time
-            entries[:, 1] = offsets[begin : begin + len(block.time)]
-            begin += len(block.time)
-            content = struct.pack("<HI", block.port + 1, entries.nbytes) + entries.tobytes()
-            parts.append(mcap.record(Opcode.MESSAGE_INDEX, content))
-            indexes[block.port + 1] = position
-            position += len(parts[-1])
-        start = self._end
-        self._put(b"".join(parts))
+            entries[:, 1] = offsets
+            at += length
+        whole[size:] = tail
+        if self._seeks:
+            self._file.seek(start)
+        self._file.write(whole)
+        self._end += size
         counts = {block.port: len(block.time) for block in blocks}
-        self._chunks.append(
-            _Chunk(start, len(written), len(data), first, last, indexes, position - index_start, counts)
-        )
+        self._chunks.append(_Chunk(start, index_start, chunk.size, first, last, indexes, size - index_start, counts))
         for port, count in counts.items():
             self._counts[port] += count
-
-    def _encoded(self, blocks: Sequence[Block], order: numpy.ndarray) -> tuple[bytes, numpy.ndarray]:
-        """The messages of a chunk in order of time, and where each is, in the order of the blocks."""
-        import numpy
-
-        rows = [self._rows(block) for block in blocks]
-        sizes = numpy.concatenate([own for own, _ in rows])
-        offsets = numpy.empty(len(order), numpy.int64)
-        in_time = sizes[order]
-        offsets[order] = numpy.cumsum(in_time) - in_time
-        into = numpy.empty(int(sizes.sum()), numpy.uint8)
-        begin = 0
-        for own, data in rows:
-            places = offsets[begin : begin + len(own)]
-            begin += len(own)
-            if isinstance(data, list):
-                for place, message in zip(places.tolist(), data, strict=True):
-                    into[place : place + len(message)] = numpy.frombuffer(message, numpy.uint8)
-            else:
-                into[places[:, None] + numpy.arange(data.shape[1])] = data
-        return into.tobytes(), offsets
-
-    def _rows(self, block: Block) -> tuple[numpy.ndarray, numpy.ndarray | list[bytes]]:
-        """The size of each message of a block, and the messages: as bytes of shape ``(n, size)``, or one by one."""
-        import numpy
-
-        port, message = self._head.ports[block.port], self._messages[block.port]
-        count = len(block.time)
-        bodies = json_messages(block.value, port.type) if message is None else []
-        lengths = numpy.array([len(body) for body in bodies]) if message is None else numpy.full(count, message.size)
-        heads = numpy.empty(
-            count,
-            dtype=[("op", "u1"), ("n", "<u8"), ("ch", "<u2"), ("seq", "<u4"), ("log", "<u8"), ("pub", "<u8")],
-        )
-        heads["op"], heads["n"], heads["ch"] = Opcode.MESSAGE, _HEAD_OF_MESSAGE - 9 + lengths, block.port + 1
-        heads["seq"] = (self._counts[block.port] + numpy.arange(count)) & 0xFFFFFFFF
-        heads["log"] = heads["pub"] = block.time
-        if message is None:
-            return _HEAD_OF_MESSAGE + lengths, [head.tobytes() + body for head, body in zip(heads, bodies, strict=True)]
-        data = numpy.concatenate(
-            [heads.view(numpy.uint8).reshape(count, -1), encoded(message, block.value, port.type)], axis=1
-        )
-        return _HEAD_OF_MESSAGE + lengths, data
 
     def _put(self, data: bytes) -> None:
         """Write records over the end of the file, and a new end: in one call, so the file is whole before and after."""

@@ -5,8 +5,16 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 MAGIC = b"\x89MCAP0\r\n"
+
+
+HEAD_OF_MESSAGE = 31
+"""The bytes of a message record before its data."""
 
 
 class Opcode:
@@ -62,10 +70,14 @@ def metadata(name: str, values: Mapping[str, str]) -> bytes:
     return record(Opcode.METADATA, text(name) + texts(values))
 
 
-def chunk(messages: bytes, first: int, last: int) -> bytes:
-    """A chunk that is not compressed, with messages between two instants."""
-    head = struct.pack("<QQQI", first, last, len(messages), zlib.crc32(messages)) + text("")
-    return record(Opcode.CHUNK, head + struct.pack("<Q", len(messages)) + messages)
+CHUNK_HEAD = 49
+"""The bytes of a chunk before its messages."""
+
+
+def chunk_head(messages: Buffer, size: int, first: int, last: int) -> bytes:
+    """The beginning of a chunk that is not compressed, with messages of this size between two instants."""
+    content = struct.pack("<QQQI", first, last, size, zlib.crc32(messages)) + text("") + struct.pack("<Q", size)
+    return struct.pack("<BQ", Opcode.CHUNK, len(content) + size) + content
 
 
 def footer(summary_start: int = 0, offsets_start: int = 0) -> bytes:

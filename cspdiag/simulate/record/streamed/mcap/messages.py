@@ -33,6 +33,11 @@ _HEADER = b"\0\1\0\0"
 """CDR, little endian."""
 
 
+def header() -> bytes:
+    """What each message begins with."""
+    return _HEADER
+
+
 @record
 class Message:
     """A message type: its ROS name, its definition, and the layout of its numbers after the header: offsets, numpy
