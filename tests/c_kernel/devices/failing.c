@@ -1,4 +1,4 @@
-/* The two ends of failing.csp, and what the hook is told before the outputs are released. */
+/* The two ends of failing.csp, and what the hook finds before the outputs are released. */
 #include <stdio.h>
 
 #include "failing_api.h"

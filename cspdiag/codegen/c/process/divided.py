@@ -55,7 +55,7 @@ def divide(routine: Routine) -> None:
         name = f"{routine.name}_{snake_case(identifier(piece.section.title))}"
         inside = piece.body if piece is not last else piece.body[: _after(last)]
         following = begins[position + 1] if piece is not last else ends
-        body = [*inside, *_go_on(following)]
+        body = [*inside, *_continue_in(following)]
         if jumps_to(outermost.label, body):
             body += [Label(outermost.label), return_value(_called(failed))]
         routine.parts.append(Part(routine.states.fresh(name), begins[position], body))
@@ -65,13 +65,13 @@ def divide(routine: Routine) -> None:
     if not outermost.is_entered_by_kernel:
         outermost.is_entered_by_kernel = True
         routine.places.append(WaitingState(outermost.state, "NOTHING", outermost, routine.where))
-    whole = [*before, *_go_on(begins[0]), *cases, State(ends), *tail, State(outermost.state)]
+    whole = [*before, *_continue_in(begins[0]), *cases, State(ends), *tail, State(outermost.state)]
     if jumps_to(outermost.label, whole):
         whole.append(Label(outermost.label))
     routine.body = [*whole, return_value(_called(failed))]
 
 
-def _go_on(state: str) -> list[Statement]:
+def _continue_in(state: str) -> list[Statement]:
     """Continues in another state, in which another function runs the process."""
     return [store("party->state", cast("uint16_t", code(state))), return_value("party")]
 
