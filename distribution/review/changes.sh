@@ -18,6 +18,10 @@ cspdiag diff --from "$BASE" --exit-zero --format markdown --scheme light -o "$fo
 if [ "$status" -ne 0 ] && [ "$status" -ne 2 ]; then
     exit "$status"
 fi
+if [ ! -s "$folder/changes.md" ] && [ "$status" -ne 0 ]; then
+    echo "::error::the programs could not be compared"
+    exit "$status"
+fi
 if [ ! -s "$folder/changes.md" ]; then
     echo "no program has changed"
     exit 0

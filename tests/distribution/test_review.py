@@ -134,6 +134,15 @@ def test_without_permissions_the_changes_are_in_the_summary(repository: Path) ->
     assert nothing.returncode != 0
 
 
+def test_a_program_that_cannot_be_read_is_a_change(repository: Path) -> None:
+    base = git(repository, "rev-parse", "main")
+    (repository / "the models" / "relay.csp").write_bytes(b"\xff")
+    done = run(repository, "changes.sh", BASE=base)
+    assert done.returncode == 0, done.stderr
+    assert "no program has changed" not in done.stdout
+    assert "not UTF-8 text" in (repository.parent / "summary.md").read_text()
+
+
 def test_all_programs_are_checked_and_verified(repository: Path) -> None:
     (repository / "laws.csp").write_text(LIBRARY)
     git(repository, "add", "--all")

@@ -11,7 +11,7 @@ from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import require_file, require_folder
 from cspdiag.cli.support.terminal import say, show_diagnostics, wants_colour, write_out
-from cspdiag.cli.support.versions.compared import Comparison, UnreadableError, compared, versions
+from cspdiag.cli.support.versions.compared import Comparison, UnreadableError, all_compared, compared, versions
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -80,30 +80,33 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Show and draw the differences: exit code 0 for none, 1 for some, 2 if some of a version cannot be read."""
     into_folder = _check_output(arguments)
-    found: list[Comparison] = []
-    unreadable = False
-    for before, after in versions(arguments):
-        try:
-            found.append(compared(before, after, imported=arguments.old is not None))
-        except UnreadableError as problem:
-            show_diagnostics(problem.diagnostics, arguments.color)
-            if arguments.old is not None:
-                raise UsageError(str(problem)) from None
-            say(f"cspdiag: {on_one_line(str(problem))}")
-            unreadable = True
+    found = _compared(arguments)
     for comparison in found:
         show_diagnostics(comparison.errors, arguments.color)
-        unreadable = unreadable or bool(comparison.errors)
+        if comparison.failure:
+            say(f"cspdiag: {on_one_line(comparison.failure)}")
     pictures = _pictures(arguments, found) if into_folder else {}
     write_out(_written(arguments, found, pictures))
     if arguments.output is not None and not into_folder:
         from pathlib import Path
 
         _draw(Path(arguments.output), found[0].difference, arguments.scheme)
-    if unreadable:
+    if any(comparison.problems for comparison in found):
         return UNREADABLE
     changed = any(comparison.difference.changes for comparison in found)
     return UNSUCCESSFUL if changed and not arguments.exit_zero else FINE
+
+
+def _compared(arguments: Namespace) -> list[Comparison]:
+    pairs = versions(arguments)
+    if arguments.old is None:
+        return all_compared(pairs)
+    ((before, after),) = pairs
+    try:
+        return [compared(before, after)]
+    except UnreadableError as problem:
+        show_diagnostics(problem.diagnostics, arguments.color)
+        raise UsageError(str(problem)) from None
 
 
 def _check_output(arguments: Namespace) -> bool:
@@ -134,8 +137,9 @@ def _written(arguments: Namespace, found: list[Comparison], pictures: dict[str, 
                 render_markdown(
                     comparison.path,
                     comparison.difference,
-                    [f"{problem.span}: {problem.code}: {problem.message}" for problem in comparison.errors],
+                    comparison.problems,
                     pictures.get(comparison.path),
+                    former="" if arguments.old is not None else comparison.former,
                 )
                 for comparison in found
             ]
@@ -148,8 +152,12 @@ def _written(arguments: Namespace, found: list[Comparison], pictures: dict[str, 
             for comparison in found:
                 text = render(comparison.difference.changes, colour=colour)
                 text += "".join(f"  not compared: {name}\n" for name in comparison.difference.uncompared)
-                heading = f"{on_one_line(comparison.path)}\n" if arguments.old is None and text else ""
-                texts.append(heading + text)
+                heading = on_one_line(comparison.path)
+                if comparison.former != comparison.path:
+                    heading += f" (was {on_one_line(comparison.former)})"
+                elif not text:
+                    continue
+                texts.append(f"{heading}\n{text}" if arguments.old is None else text)
             return "".join(texts)
 
 

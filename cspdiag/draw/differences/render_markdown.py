@@ -10,11 +10,13 @@ from cspdiag.draw.differences.programs import Difference
 from cspdiag.draw.differences.render_text import SIGNS, reported, sentence
 
 
-def render(name: str, difference: Difference, problems: Sequence[str] = (), picture: str | None = None) -> str:
+def render(
+    name: str, difference: Difference, problems: Sequence[str] = (), picture: str | None = None, *, former: str = ""
+) -> str:
     """A section about one program. ``problems`` are the reasons why not everything could be compared, a line each;
-    ``picture`` is the address of a picture of the changes.
+    ``picture`` is the address of a picture of the changes, ``former`` the earlier name of the file.
     """
-    parts = [f"### {_code(name)}"]
+    parts = [f"### {_code(name)}{f' (was {_code(former)})' if former not in ('', name) else ''}"]
     if problems:
         parts.append(f"Not everything could be read:\n\n{_fenced('text', problems)}")
     if difference.uncompared:

@@ -212,8 +212,8 @@ def test_all_changed_programs_of_a_folder_are_compared_as_a_comment(
     result = cspdiag("diff", "--format", "markdown")
     assert result.code == 2
     assert result.out.startswith("### `broken.csp`\n\nNot everything could be read:\n\n```text\nbroken.csp:1: E01")
-    assert "### `law.csp`\n\n```diff\n- submodel Law(gain: double<V>)\n```\n" in result.out
-    assert "### `laws.csp`\n\n```diff\n+ submodel Law(gain: double<V>)\n```\n" in result.out
+    assert "### `laws.csp` (was `law.csp`)\n\nNothing changed in the diagrams.\n" in result.out
+    assert "laws.csp (was law.csp)\n" in cspdiag("diff").out
     commit(repository, "second")
     (repository / "broken.csp").unlink()
     (repository / "laws.csp").unlink()
@@ -223,6 +223,45 @@ def test_all_changed_programs_of_a_folder_are_compared_as_a_comment(
     text = cspdiag("diff", "--from", "HEAD~1")
     assert (text.code, text.out) == (1, "loop.csp\n  process Loop\n    ~ instance law: argument gain 2<V> → 4<V>\n")
     assert cspdiag("diff", "--from", "nowhere").code == 2
+
+
+def test_definitions_that_moved_to_another_file_have_moved(
+    cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(repository)
+    other = LIBRARY.replace("Law", "Other")
+    (repository / "law.csp").write_text(f"{LIBRARY}\n{other}")
+    commit(repository, "second")
+    (repository / "law.csp").write_text(LIBRARY)
+    (repository / "others.csp").write_text(f"const n = 1\n\n{other}")
+    git(repository, "add", "--all")
+    moved = "  submodel Other\n    ~ file law.csp → others.csp\n"
+    assert cspdiag("diff") == (1, f"others.csp\n  + const n\n{moved}".replace("  + const n", "+ const n = 1"), "")
+    assert "! file law.csp → others.csp" in cspdiag("diff", "--format", "markdown").out
+    (repository / "others.csp").write_text(other.replace("gain * e", "-gain * e"))
+    assert cspdiag("diff").out == f"others.csp\n{moved}    ~ equation u: value gain * e → -gain * e\n"
+
+
+def test_a_program_that_cannot_be_read_leaves_the_others_to_be_compared(
+    cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(repository)
+    (repository / "law.csp").write_bytes(b"\xff")
+    (repository / "loop.csp").write_text(PROGRAM.replace("2<V>", "3<V>"))
+    text = cspdiag("diff")
+    assert (text.code, text.err) == (2, "cspdiag: law.csp: not UTF-8 text (byte 0xff at offset 0)\n")
+    assert "instance law: argument gain 2<V> → 3<V>" in text.out
+    comment = cspdiag("diff", "--format", "markdown", "--exit-zero")
+    assert comment.code == 2
+    assert "### `law.csp`\n\nNot everything could be read:\n\n```text\nlaw.csp: not UTF-8 text" in comment.out
+
+
+def test_without_a_repository_the_programs_of_a_folder_cannot_be_compared(
+    cspdiag: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    advice = "this folder is not in a git repository: name two files to compare: diff OLD NEW"
+    assert cspdiag("diff") == (2, "", f"cspdiag: {advice}\n")
 
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from cspdiag.base.errors import CspdiagError
-from cspdiag.base.record import record
+from cspdiag.base.record import record, replaced
 from cspdiag.base.span import SourceFile
-from cspdiag.cli.support.failure import UsageError
-from cspdiag.cli.support.versions.revisions import LAST_COMMIT, git, reader_of, split_name
+from cspdiag.cli.support.failure import UsageError, described
+from cspdiag.cli.support.versions.revisions import LAST_COMMIT, git, is_in_repository, reader_of, split_name
 
 if TYPE_CHECKING:
     from argparse import Namespace
 
     from cspdiag.base import Diagnostic
     from cspdiag.draw.differences.programs import Difference
+    from cspdiag.model.program import Program
     from cspdiag.pipeline import Checked
 
 
@@ -34,11 +35,22 @@ class Version:
 
 @record
 class Comparison:
-    """What changed in a program. ``errors``: why definitions could not be read, in both versions."""
+    """What changed in a program, which had the path ``former`` before. ``errors``: why definitions could not be read,
+    in both versions; ``failure``: why nothing could be. ``programs`` are both versions, None if one could not be read.
+    """
 
     path: str
+    former: str
     difference: Difference
-    errors: Sequence[Diagnostic]
+    errors: Sequence[Diagnostic] = ()
+    failure: str = ""
+    programs: tuple[Program, Program] | None = None
+
+    @property
+    def problems(self) -> list[str]:
+        """Why not everything could be compared, a line each."""
+        lines = [f"{problem.span}: {problem.code}: {problem.message}" for problem in self.errors]
+        return [*lines, self.failure] if self.failure else lines
 
 
 def versions(arguments: Namespace) -> list[tuple[Version, Version]]:
@@ -70,7 +82,34 @@ def compared(before: Version, after: Version, *, imported: bool = True) -> Compa
     if second.readable is None:
         raise UnreadableError(after, errors)
     whole = (first.program is not None, second.program is not None)
-    return Comparison(after.path, differences(first.readable, second.readable, whole=whole, imported=imported), errors)
+    difference = differences(first.readable, second.readable, whole=whole, imported=imported)
+    return Comparison(after.path, before.path, difference, errors, programs=(first.readable, second.readable))
+
+
+def all_compared(pairs: Iterable[tuple[Version, Version]]) -> list[Comparison]:
+    """What changed in each of the programs that changed, and which definitions moved from one to another. One that
+    cannot be read is no reason not to compare the others.
+    """
+    from cspdiag.draw.differences.moves import ComparedFile, with_moves
+    from cspdiag.draw.differences.programs import Difference
+
+    found = []
+    for before, after in pairs:
+        try:
+            found.append(compared(before, after, imported=False))
+        except UnreadableError as problem:
+            found.append(Comparison(after.path, before.path, Difference(), problem.diagnostics, str(problem)))
+        except OSError as problem:
+            found.append(Comparison(after.path, before.path, Difference(), failure=described(problem)))
+    read = {number: each.programs for number, each in enumerate(found) if each.programs is not None}
+    files = [ComparedFile(found[number].path, *programs, found[number].difference) for number, programs in read.items()]
+    gone = set()
+    for number, difference in zip(read, with_moves(files), strict=True):
+        if found[number].difference.changes and not difference.changes and not found[number].problems:
+            gone.add(number)
+        found[number] = replaced(found[number], difference=difference)
+    # Where definitions came from is said where they are now.
+    return [each for number, each in enumerate(found) if number not in gone]
 
 
 class UnreadableError(CspdiagError):
@@ -90,12 +129,22 @@ def _checked(version: Version) -> Checked:
 
 
 def _changed(start: str, end: str | None) -> list[tuple[Version, Version]]:
-    """The programs at or below the current folder that differ in two revisions, in the order of git."""
+    """The programs at or below the current folder that differ in two revisions, in the order of git; renamed files have
+    another path in each.
+    """
+    if not is_in_repository(os.curdir):
+        raise UsageError("this folder is not in a git repository: name two files to compare: diff OLD NEW")
     revisions = [start] if end is None else [start, end]
-    options = ("--relative", "--no-renames", "--no-ext-diff", "--name-status", "-z")
-    found = git(os.curdir, os.curdir, "diff", *options, "--end-of-options", *revisions, "--", "*.csp")
-    words = os.fsdecode(found).split("\0")
-    return [
-        (Version(start, path, exists=status != "A"), Version(end, path, exists=status != "D"))
-        for status, path in zip(words[:-1:2], words[1::2], strict=True)
-    ]
+    options = ("--relative", "--find-renames", "--no-ext-diff", "--name-status", "-z")
+    words = iter(
+        os.fsdecode(git(os.curdir, os.curdir, "diff", *options, "--end-of-options", *revisions, "--", "*.csp"))
+        .rstrip("\0")
+        .split("\0")
+    )
+    found = []
+    for status in words:
+        if status:
+            former = next(words)
+            path = next(words) if status.startswith(("R", "C")) else former
+            found.append((Version(start, former, exists=status != "A"), Version(end, path, exists=status != "D")))
+    return found

@@ -68,6 +68,18 @@ def _shown(revision: str, path: str) -> bytes:
         raise OSError(errno.ENOENT, f"not in revision {revision}{advice}", path) from None
 
 
+def is_in_repository(folder: str) -> bool:
+    """Whether a folder is in the working tree of a git repository. Raises UsageError without git."""
+    try:
+        return git(folder, folder, "rev-parse", "--is-inside-work-tree") == b"true\n"
+    except NoRepositoryError:
+        return False
+
+
+class NoRepositoryError(UsageError):
+    """There is no git repository."""
+
+
 def git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
     """The output of git in a folder; ``path`` is the file concerned. Raises UsageError with what git says."""
     try:
@@ -83,6 +95,6 @@ def git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
     if done.returncode != 0:
         error = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
         if error.startswith("not a git repository"):
-            raise UsageError(f"{path} is not in a git repository: {_COMMIT_OR_NAME_TWO}")
+            raise NoRepositoryError(f"{path} is not in a git repository: {_COMMIT_OR_NAME_TWO}")
         raise UsageError(f"git: {error or says}")
     return done.stdout
