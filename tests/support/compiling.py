@@ -12,12 +12,26 @@ from functools import cache
 from hashlib import sha256
 from itertools import pairwise
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import gettempdir, mkdtemp
 
 from cspdiag.base.files.caches import cache_folder
 
+_CCACHE = Path("/usr/lib/ccache")
+"""Commands with the names of compilers, as Debian and others install them."""
 _WEEK = 7 * 24 * 3600.0
 """Seconds after which a result that was not used is removed."""
+
+
+def use_ccache() -> None:
+    """Let ccache, if it is installed, answer for the compilers that make and CMake start."""
+    if _CCACHE.is_dir():
+        os.environ["PATH"] = f"{_CCACHE}{os.pathsep}{os.environ['PATH']}"
+        # Tests work in folders of their own, and may take away the usual cache.
+        os.environ |= {
+            "CCACHE_DIR": f"{cache_folder()}/ccache",
+            "CCACHE_BASEDIR": gettempdir(),
+            "CCACHE_NOHASHDIR": "1",
+        }
 
 
 def compile_once(*command: str | Path, cwd: Path | None = None) -> None:
