@@ -13,7 +13,7 @@ from tests.conformance.kit import judge, parsed
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments
 from tests.conformance.targets import TARGETS, Target
 
-EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "30"))
+EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "15"))
 """How many random programs each target is compared on, rounded down to multiples of a start; this, and all of
 ``tests.conformance``, should take three minutes on two cores.
 """

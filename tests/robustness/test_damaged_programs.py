@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.robustness.answers import answer
 from tests.robustness.damage import damaged
 
-PROGRAMS = 500
+PROGRAMS = 250
 BLOCK = 125
 
 
