@@ -181,8 +181,9 @@ def test_inlined_processes_of_a_long_function_have_functions_of_their_own() -> N
 
 def test_steps_of_a_long_function_that_differ_in_numbers_are_a_table() -> None:
     text = pipeline.generate(network("dining"), read, "c", 1)["table.c"]
-    assert "{4U, 3, 4U}, /* right ? holder (table.csp:17) */" in text
-    assert text.count("self->fork_holder[table_steps[i].element] = table_steps[i].value;") == 10
+    assert "{4U, 3}, /* right ? holder (table.csp:17) */" in text
+    assert text.count("self->fork_holder[table_steps[i].element] = table_steps[i].value;") == 1
+    assert text.count("table_takes_steps(csp, party, ") == 11
 
 
 def test_steps_of_a_long_function_whose_numbers_count_are_a_loop() -> None:

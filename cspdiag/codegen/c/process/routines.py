@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
@@ -172,7 +173,7 @@ class Routine:
         """The step function, after its parts if it has any."""
         rows: list[str] = []
         if self.parts:
-            failing = Block((*self._locals(self.failing), *self.failing))
+            failing = Block((*self.locals(self.failing), *self.failing))
             rows += [*self._signature(f"{self.name}_fails"), *lines([failing]), ""]
         for part in self.parts:
             rows += [*self._stepping(part.name, part.state, part.body), ""]
@@ -186,10 +187,10 @@ class Routine:
         """A function that begins, or continues, in the state of the process."""
         cases = ((f"case {begin}", tuple(body)), ("default", (return_value("NULL"),)))
         switch = Switch(code("party->state"), cases)
-        function = Block(with_kernel((*self._locals(body), switch)))
+        function = Block(with_kernel((*self.locals(body), switch)))
         return [*self._signature(name), *lines([function])]
 
-    def _locals(self, body: list[Statement]) -> list[Statement]:
+    def locals(self, body: Sequence[Statement]) -> list[Statement]:
         """The definitions of the variables that statements use, and an empty line after them."""
         inside: list[Statement] = []
         if self.number is not None and (mentions_self(body) or mentions_number(body)):
