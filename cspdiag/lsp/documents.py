@@ -93,11 +93,15 @@ class Documents:
         return self._open.get(identity(name_of(uri)))
 
     def read(self, name: str) -> SourceFile:
-        """The present text of a file. Raises OSError if it is not open and cannot be read."""
+        """The present text of a file. Raises OSError if it is not open and cannot be read, and ValueError if it is too
+        large.
+        """
         document = self._open.get(identity(name))
-        if document is None:
-            return read_source(name)
-        return document.source if document.source.name == name else SourceFile(name=name, text=document.source.text)
+        source = read_source(name) if document is None else document.source
+        if len(source.text) > MAX_CHARACTERS:
+            size = f"{len(source.text)} characters, more than the {MAX_CHARACTERS}"
+            raise ValueError(f"it has {size} up to which files are checked while they are edited")
+        return source if source.name == name else SourceFile(name=name, text=source.text)
 
     def uri(self, name: str) -> str:
         """The URI of a source file, as the editor writes it if the file is open."""

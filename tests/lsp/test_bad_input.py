@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from lsprotocol import types
@@ -35,6 +36,27 @@ async def test_a_file_of_ten_megabytes_is_not_checked_and_says_so(client: Client
     assert await editor.answer("hover") == "nothing\n"
     assert await editor.replace(SLIP) != []
     await editor.close()
+
+
+async def test_nor_is_a_file_that_imports_one(client: Client, tmp_path: Path) -> None:
+    (tmp_path / "large.csp").write_text("const a = 1\n" * 800_000)
+    found = await Editor(client, tmp_path).open("main.csp", 'import "large.csp"\nconst b = a§\n')
+    assert f"it has 9600000 characters, more than the {MAX_CHARACTERS}" in described(found)
+
+
+async def test_changes_during_a_check_are_checked_once(tmp_path: Path) -> None:
+    server, last = _Server(tmp_path), 41
+    try:
+        server.open("main.csp", "\n" + "".join(f"const a{number} = {number} + 1\n" for number in range(2000)))
+        for version in range(2, last + 1):
+            server.insert("main.csp", " ", version)
+        versions = []
+        while last not in versions:
+            versions.append(server.published_json()["version"])
+        assert versions == sorted(versions)
+        assert len(versions) < last / 2
+    finally:
+        server.kill()
 
 
 async def test_a_file_that_is_deleted_while_it_is_open_keeps_its_text(client: Client, tmp_path: Path) -> None:
@@ -216,10 +238,17 @@ class _Server:
         document = {"uri": (self._folder / name).as_uri(), "version": 2}
         self.send("textDocument/didChange", {"textDocument": document, "contentChanges": [{"text": text}]})
 
+    def insert(self, name: str, text: str, version: int) -> None:
+        """Insert a text at the beginning."""
+        document = {"uri": (self._folder / name).as_uri(), "version": version}
+        beginning = {"line": 0, "character": 0}
+        change = {"range": {"start": beginning, "end": beginning}, "text": text}
+        self.send("textDocument/didChange", {"textDocument": document, "contentChanges": [change]})
+
     def published(self) -> str:
         return json.dumps(self.published_json())
 
-    def published_json(self) -> object:
+    def published_json(self) -> Any:
         """The next diagnostics."""
         stream = self._process.stdout
         assert stream is not None
