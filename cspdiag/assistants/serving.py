@@ -33,7 +33,7 @@ async def _serve(path: Path) -> None:
         await serving
         return
     await commands.end_all()
-    # Whoever sent it sees that it has ended this process. The usual end would wait for the thread that reads standard
-    # input, which nothing can wake.
+    # The sender sees that the signal has ended this process. The usual end would wait for the thread that reads
+    # standard input, which nothing can wake.
     signal.signal(waiting.result(), signal.SIG_DFL)
     os.kill(os.getpid(), waiting.result())

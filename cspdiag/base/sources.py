@@ -7,12 +7,14 @@ import os
 import stat
 import sys
 
-from cspdiag.base.span import SourceFile, with_line_feeds
+from cspdiag.base.record import record
+from cspdiag.base.span import LINE_END, SourceFile, with_line_feeds
 
 MAXIMUM_SIZE = 64 * 1024 * 1024
 """In bytes. A larger file (or a device that never ends) is not a program."""
 
 STANDARD_INPUT = "-"
+BYTE_ORDER_MARK = "\ufeff"
 
 _OPEN_ALREADY = ("/dev/fd", "/proc/self/fd")
 """Folders of files with which the process was started, such as those that a shell makes for ``<(command)``."""
@@ -25,22 +27,49 @@ _KINDS = (
 )
 
 
+@record
+class FileStyle:
+    """What a file has that its text as a program does not: a byte order mark, if any, and the end of its first line."""
+
+    mark: str = ""
+    end: str = "\n"
+
+    @staticmethod
+    def of(whole: str) -> FileStyle:
+        """The style of a file with these characters."""
+        first = LINE_END.search(whole)
+        mark = BYTE_ORDER_MARK if whole.startswith(BYTE_ORDER_MARK) else ""
+        return FileStyle(mark, "\n" if first is None else first.group())
+
+    def applied(self, text: str) -> str:
+        """The characters of a file in this style; all its lines end alike."""
+        return self.mark + text.replace("\n", self.end)
+
+
 def read_source(path: str) -> SourceFile:
     """The text of a file, or of standard input for ``-``, with line ends as ``\\n``.
 
     Raises OSError, with a ``strerror`` for people, for what cannot be read, is not a file, is not UTF-8 text or is too
     large.
     """
+    return SourceFile(name=path, text=decoded(_read(path), path))
+
+
+def read_whole(path: str) -> tuple[SourceFile, str]:
+    """The same, and all characters of the file."""
+    data = _read(path)
+    return SourceFile(name=path, text=decoded(data, path)), data.decode("utf-8")
+
+
+def _read(path: str) -> bytes:
     try:
         if path == STANDARD_INPUT:
-            data = _standard_input()
-        else:
-            require_ordinary_file(path)
-            with open(path, "rb") as file:
-                data = file.read(MAXIMUM_SIZE + 1)
+            return _standard_input()
+        require_ordinary_file(path)
+        with open(path, "rb") as file:
+            return file.read(MAXIMUM_SIZE + 1)
     except ValueError as problem:
         raise OSError(errno.EINVAL, str(problem), path) from None
-    return SourceFile(name=path, text=decoded(data, path))
 
 
 def require_ordinary_file(path: str) -> None:

@@ -10,7 +10,8 @@ from lsprotocol import types
 from pygls import uris
 
 from cspdiag.base.files.resources import library_file
-from cspdiag.base.sources import read_source
+from cspdiag.base.record import replaced
+from cspdiag.base.sources import FileStyle, read_source, read_whole
 from cspdiag.base.span import SourceFile, with_line_feeds
 from cspdiag.lsp.positions import Positions
 
@@ -19,13 +20,20 @@ MAX_CHARACTERS = 1_000_000
 
 
 class Document:
-    """An open file; ``source`` has its present text, and ``identity`` is the same for all names of the file."""
+    """An open file; ``source`` has its present text, and ``identity`` is the same for all names of the file. ``style``
+    is what it has beside that text, in which blanks are in the place of a byte order mark: positions count it.
+    """
 
-    def __init__(self, uri: str, name: str, text: str, version: int | None) -> None:
+    def __init__(self, uri: str, name: str, text: str, version: int | None, positions: Positions) -> None:
         self.uri = uri
         self.identity = identity(name)
         self.version = version
-        self.source = SourceFile(name=name, text=with_line_feeds(text))
+        self.style = FileStyle.of(text)
+        self.source = SourceFile(name=name, text=self._text(text, positions))
+
+    def _text(self, whole: str, positions: Positions) -> str:
+        mark = self.style.mark
+        return positions.blanks_for(mark) + with_line_feeds(whole.removeprefix(mark))
 
     @property
     def is_too_large(self) -> bool:
@@ -41,11 +49,14 @@ class Document:
         """Apply what the editor has changed, in order."""
         source = self.source
         for change in changes:
-            text = with_line_feeds(change.text)
             if isinstance(change, types.TextDocumentContentChangePartial):
+                text = with_line_feeds(change.text)
                 start = positions.offset(source, change.range.start)
                 end = max(start, positions.offset(source, change.range.end))
                 text = f"{source.text[:start]}{text}{source.text[end:]}"
+            else:
+                self.style = FileStyle.of(change.text)
+                text = self._text(change.text, positions)
             source = SourceFile(name=source.name, text=text)
         self.source = source
         self.version = version
@@ -80,7 +91,7 @@ class Documents:
 
     def open(self, uri: str, text: str, version: int | None) -> Document:
         """Take the text of a file from the editor from now on."""
-        document = Document(uri, name_of(uri), text, version)
+        document = Document(uri, name_of(uri), text, version, self.positions)
         self._open[document.identity] = document
         return document
 
@@ -102,6 +113,16 @@ class Documents:
             size = f"{len(source.text)} characters, more than the {MAX_CHARACTERS}"
             raise ValueError(f"it has {size} up to which files are checked while they are edited")
         return source if source.name == name else SourceFile(name=name, text=source.text)
+
+    def style(self, name: str) -> FileStyle:
+        """How the lines of a file end, and whether the editor counts a byte order mark in it."""
+        document = self._open.get(identity(name))
+        if document is not None:
+            return document.style
+        try:
+            return replaced(FileStyle.of(read_whole(name)[1]), mark="")
+        except OSError:
+            return FileStyle()
 
     def uri(self, name: str) -> str:
         """The URI of a source file, as the editor writes it if the file is open."""

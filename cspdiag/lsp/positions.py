@@ -45,6 +45,10 @@ class Positions:
     def __init__(self, encoding: Encoding = "utf-16") -> None:
         self.encoding: Encoding = encoding
 
+    def blanks_for(self, text: str) -> str:
+        """As many blanks as a text has code units."""
+        return " " * _units(text, self.encoding)
+
     def position(self, source: SourceFile, offset: int) -> types.Position:
         """The position of an offset."""
         line, column = source.position(offset)

@@ -177,14 +177,14 @@ def _resolve_action(ls: CspdiagServer, action: types.CodeAction) -> types.CodeAc
 @server.feature(types.TEXT_DOCUMENT_FORMATTING)
 def _formatting(ls: CspdiagServer, params: types.DocumentFormattingParams) -> list[types.TextEdit] | None:
     document = ls.document(params.text_document.uri)
-    return None if document is None else formatting.formatting(document.source, ls.session.positions)
+    return None if document is None else formatting.formatting(document, ls.session.positions)
 
 
 @server.feature(types.TEXT_DOCUMENT_RANGE_FORMATTING)
 def _range_formatting(ls: CspdiagServer, params: types.DocumentRangeFormattingParams) -> list[types.TextEdit] | None:
     document = ls.document(params.text_document.uri)
     lines = params.range.start.line, params.range.end.line
-    return None if document is None else formatting.formatting(document.source, ls.session.positions, lines)
+    return None if document is None else formatting.formatting(document, ls.session.positions, lines)
 
 
 @server.feature(types.TEXT_DOCUMENT_FOLDING_RANGE)

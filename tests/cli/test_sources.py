@@ -104,4 +104,4 @@ def test_each_end_of_a_line_ends_a_comment_and_a_line(tmp_path: Path, end: str) 
     assert cspdiag(tmp_path, "fmt", "main.csp").returncode == 0
     formatted = (tmp_path / "main.csp").read_bytes().decode()
     assert formatted.splitlines()[:2] == ["// A controller.", "process Main {"]
-    assert "/* two\n     lines */\n" in formatted
+    assert f"/* two{end}     lines */{end}" in formatted

@@ -40,7 +40,7 @@ def ask(session: Session, document: Document, offset: int) -> dict[str, object]:
         "definition": navigation.definition(view, offset, documents),
         "highlights": navigation.highlights(view, offset, positions),
         "actions": actions.actions(view, offset, offset, (), documents, document.uri),
-        "formatting": formatting.formatting(document.source, positions),
+        "formatting": formatting.formatting(document, positions),
         "folding": folding.folding(document.source),
         "tokens": highlighting.semantic_tokens(view, positions),
         "hints": hints.hints(view, 0, size, positions),

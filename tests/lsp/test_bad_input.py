@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -117,6 +118,26 @@ async def test_characters_outside_the_basic_plane_and_other_line_ends(client: Cl
     place = types.Position(1, 9)
     change = types.TextDocumentContentChangePartial(types.Range(place, types.Position(1, 14)), "const")
     assert "see 2:16-2:22" in described(await editor.change(change))
+    await editor.close()
+
+
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+async def test_formatting_and_fixes_keep_the_line_ends_and_the_mark_of_a_file(
+    client: Client, tmp_path: Path, mark: str
+) -> None:
+    editor = Editor(client, tmp_path)
+    text = f"{mark}const   period = 1 ms\r\nconst slow = 10 * period\r\nconst  last = 1\r\n"
+    assert await editor.open("main.csp", text) == []
+    params = types.DocumentFormattingParams(editor.document, types.FormattingOptions(2, insert_spaces=True))
+    edits = await client.text_document_formatting_async(params)
+    assert edits is not None
+    formatted = editor.edited(types.WorkspaceEdit(changes={editor.uri("main.csp"): list(edits)}))
+    assert formatted == re.sub("  +", " ", text)
+    await editor.replace(formatted)
+    assert not await client.text_document_formatting_async(params)
+    slip = mark + SLIP.replace("\n", "\r\n")
+    await editor.replace(slip.replace("peroid", "§peroid"))
+    assert slip.replace("peroid", "period") in await editor.answer("actions")
     await editor.close()
 
 

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.report import Report
-from cspdiag.base.sources import STANDARD_INPUT, read_source
+from cspdiag.base.sources import STANDARD_INPUT, FileStyle, read_whole
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.difference import show_difference
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
@@ -39,17 +39,21 @@ def run(arguments: Namespace) -> int:
             raise UsageError(f"{name}: is {kind}")
     report = Report()
     changed: list[SourceFile] = []
-    for source in [read_source(name) for name in dict.fromkeys(arguments.files)]:
+    for source, whole in [read_whole(name) for name in dict.fromkeys(arguments.files)]:
         text = formatted(source, report)
         if text is None:
             continue
+        style = FileStyle.of(whole)
+        new = style.applied(text)
         if arguments.diff:
             show_difference(source, text, "formatted")
+            if text == source.text and new != whole:
+                say(f"would end all lines of {on_one_line(source.name)} as its first one")
         elif source.name == STANDARD_INPUT and not arguments.check:
-            write_out(text)
-        if text != source.text:
+            write_out(new)
+        if new != whole:
             changed.append(source)
-            _change(source, text, arguments)
+            _change(source, new, arguments)
     show_diagnostics(report.diagnostics, arguments.color)
     only_looked = arguments.check or arguments.diff
     return UNSUCCESSFUL if report.has_errors or (only_looked and changed) else FINE

@@ -74,7 +74,10 @@ def workspace_edit(edits: Iterable[Edit], documents: Documents) -> types.Workspa
     """Edits of several files."""
     changes: dict[str, list[types.TextEdit]] = {}
     for edit in edits:
-        text_edit = types.TextEdit(documents.positions.range(edit.span), edit.replacement)
+        text = edit.replacement
+        if "\n" in text:
+            text = text.replace("\n", documents.style(edit.span.file).end)
+        text_edit = types.TextEdit(documents.positions.range(edit.span), text)
         changes.setdefault(documents.uri(edit.span.file), []).append(text_edit)
     return types.WorkspaceEdit(changes={uri: list(several) for uri, several in changes.items()})
 
@@ -83,7 +86,9 @@ def resolved(action: types.CodeAction, view: View, documents: Documents) -> type
     """The action that fixes everything, with its edits."""
     fixed = fix([view.main], documents.read, identity)
     changes = {
-        documents.uri(file.before.name): edits_between(file.before, file.text, documents.positions)
+        documents.uri(file.before.name): edits_between(
+            file.before, file.text, documents.positions, documents.style(file.before.name)
+        )
         for file in fixed.files
     }
     action.edit = types.WorkspaceEdit(changes={uri: list(edits) for uri, edits in changes.items()})

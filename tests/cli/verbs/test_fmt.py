@@ -84,3 +84,20 @@ def test_only_files_are_replaced(cspdiag: Command, tmp_path: Path) -> None:
         2,
         f"cspdiag: {tmp_path / 'pipe.csp'}: is not a file that could be replaced; `fmt -` reads and prints\n",
     )
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_lines_end_as_the_first_one_did(cspdiag: Command, ugly: Path, pretty: str, end: str, mark: str) -> None:
+    ugly.write_bytes((mark + UGLY.replace("\n", end)).encode())
+    assert cspdiag("fmt", ugly).code == 0
+    wanted = (mark + pretty.replace("\n", end)).encode()
+    assert ugly.read_bytes() == wanted
+    assert cspdiag("fmt", "--check", ugly) == (0, "", "")
+    first, rest = wanted.split(end.encode(), 1)
+    other = b"\n" if end == "\r\n" else b"\r\n"
+    ugly.write_bytes(first + end.encode() + rest.replace(end.encode(), other))
+    assert cspdiag("fmt", "--check", ugly) == (1, "", f"would format {ugly}\n")
+    assert cspdiag("fmt", "--diff", ugly) == (1, "", f"would end all lines of {ugly} as its first one\n")
+    assert cspdiag("fmt", ugly).code == 0
+    assert ugly.read_bytes() == wanted

@@ -10,7 +10,7 @@ from difflib import SequenceMatcher
 
 from cspdiag.base.files.whole import replace_files
 from cspdiag.base.render.snippet import on_one_line
-from cspdiag.base.sources import STANDARD_INPUT, decoded, read_source
+from cspdiag.base.sources import STANDARD_INPUT, FileStyle, decoded, read_source
 from cspdiag.base.span import LINE_END, SourceFile
 from cspdiag.cli.support.diagnostic_formats import show_findings
 from cspdiag.cli.support.difference import show_difference
@@ -18,7 +18,6 @@ from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.support.terminal import say, write_out
 from cspdiag.fix import FixedFile, fix
 
-_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _FOR_PEOPLE = ("text", "concise")
 
 
@@ -91,8 +90,9 @@ def _bytes(file: FixedFile) -> bytes:
         data = opened.read()
     if decoded(data, name) != file.before.text:
         raise UsageError(f"{name}: was changed by another program meanwhile; nothing was written, try again")
-    mark = _BYTE_ORDER_MARK if data.startswith(_BYTE_ORDER_MARK) else b""
-    return mark + _with_ends_of(data.decode("utf-8-sig"), file.text).encode()
+    whole = data.decode()
+    style = FileStyle.of(whole)
+    return f"{style.mark}{_with_ends_of(whole.removeprefix(style.mark), file.text)}".encode()
 
 
 def _with_ends_of(before: str, text: str) -> str:
