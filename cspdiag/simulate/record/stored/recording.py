@@ -31,7 +31,7 @@ class InputsError(CspdiagError):
 
 @contextmanager
 def reading(path: str) -> Iterator[None]:
-    """Raises RecordingError for what a file that is damaged, or was made by somebody else, makes its reader raise."""
+    """Raises RecordingError for what a file that is damaged, or was written by another tool, makes its reader raise."""
     try:
         yield
     except _OF_DAMAGED_FILES as problem:

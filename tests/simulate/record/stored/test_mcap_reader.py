@@ -83,7 +83,7 @@ def test_what_is_no_recording_is_refused(tmp_path: Path, data: bytes) -> None:
         ("run.csv", b"0.003,3", b"0.003," + 400 * b"3"),
     ],
 )
-def test_a_file_that_is_damaged_or_made_by_somebody_else_is_refused_with_its_name(
+def test_a_damaged_file_of_any_format_is_refused_with_its_name(
     tmp_path: Path, name: str, old: bytes, new: bytes
 ) -> None:
     path = tmp_path / name

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _LONGEST_CYCLE = 20
 _SEEN = 64
-"""How many rows are looked at to find a cycle."""
+"""How many rows are compared to find a cycle."""
 
 
 class FixedMessages:
