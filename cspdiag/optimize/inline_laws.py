@@ -40,6 +40,8 @@ def inline_laws(network: Network) -> Network:
     laws = {
         entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass) and not _is_by_hand(entry)
     }
+    if not laws:
+        return reachable(network)
     seen = any(
         isinstance(part, ir.InterruptOn | ir.CatchException)
         for entry in network.classes

@@ -203,9 +203,9 @@ class Places:
         if indexes is None or port.size is None:
             return None
         flat = 0
-        sizes = [self.sizes.integer(d, self.shape.values) or 0 for d in port.symbol.port.dimensions]
-        if len(indexes) == 1:
-            sizes = [port.size]
+        sizes = [port.size]
+        if len(indexes) != 1:
+            sizes = [self.sizes.integer(d, self.shape.values) or 0 for d in port.symbol.port.dimensions]
         for expression, index, size in zip(given, indexes, sizes, strict=False):
             if not 0 <= index < size:
                 self._out_of_range(expression, index, f"the array of ports `{port.name}`", size, port.span)

@@ -45,6 +45,8 @@ class Bound:
 
 def program_parameters(program: Program, used: object) -> tuple[ProgramParameter, ...]:
     """The parameters of the program, and the constants that follow from them and occur in ``used``."""
+    if not program.tunable:
+        return ()
     found: dict[ast.Constant, ProgramParameter] = {}
     needed = {part.name for part in parts(used) if isinstance(part, TunableValue) and part.of_program}
     for constant in reversed(program.tunable):
