@@ -130,6 +130,8 @@ def text_lines(sweep: Sweep) -> Iterator[str]:
 
 
 def _shown(cell: Cell | None) -> str:
+    if isinstance(cell, bool):
+        return str(cell).lower()
     if isinstance(cell, float):
         return f"{cell:.6g}"
     return "" if cell is None else str(cell)

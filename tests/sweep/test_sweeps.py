@@ -271,6 +271,17 @@ def test_plots(heater: cspdiag.LoadedProgram, tmp_path: Path, second: str) -> No
         sweep.plot("plot.gif")
 
 
+def test_panels_share_one_legend_of_the_lines_that_they_have(heater: cspdiag.LoadedProgram) -> None:
+    pytest.importorskip("matplotlib")
+    measures = ["max(power)", "settling(room.t, 20, 1)"]
+    figure = heater.sweep({"gain": "0.1:2:4", "room.volume": "1,2"}, measures, until="20 s").plot()
+    first, second = figure.axes
+    assert first.get_xlim() == second.get_xlim()
+    assert [panel.get_legend() for panel in figure.axes] == [None, None]
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["room.volume = 1", "room.volume = 2"]
+
+
 def test_wrong_arguments_are_refused(heater: cspdiag.LoadedProgram) -> None:
     with pytest.raises(cspdiag.ArgumentError, match="unknown target"):
         heater.sweep({"gain": 1}, target="fpga")
