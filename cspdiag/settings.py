@@ -250,10 +250,12 @@ def _has_parts(type_: Type) -> bool:
 def value_of(name: str, text: str, type_: Type, *, is_constant: bool) -> Value:
     """The value that a text has for what a name sets, of this type. Raises SettingError."""
     from cspdiag.model.constants.values import parse_value
-    from cspdiag.model.types import StructType, TimeType
+    from cspdiag.model.types import IntType, StructType, TimeType
 
     if isinstance(text, WrittenNumber) and isinstance(type_, TimeType):
         text = f"{text} s"
+    if isinstance(text, WrittenNumber) and isinstance(type_, IntType):
+        text = _without_fraction(text)
     if isinstance(type_, StructType):
         fields = ", ".join(f"{name}.{field}" for field, _ in type_.fields)
         advice = (
@@ -264,6 +266,12 @@ def value_of(name: str, text: str, type_: Type, *, is_constant: bool) -> Value:
         return parse_value(type_, text)
     except ValueError as problem:
         raise SettingError(f"{name}: {problem}") from None
+
+
+def _without_fraction(number: WrittenNumber) -> str:
+    """A whole number as the language writes integers: many functions of Python and numpy return 2.0."""
+    is_whole = not number.lstrip("-").isdecimal() and float(number).is_integer()
+    return str(int(float(number))) if is_whole else number
 
 
 def _leads_somewhere(program: Program, constant: ast.Constant, path: str) -> bool:
@@ -288,7 +296,8 @@ def _part(program: Program, constant: ast.Constant, path: str, name: str) -> tup
     except NoPartError as problem:
         near = suggested(part[len(problem.before) :].lstrip("."), problem.fields)
         meant = f"did you mean {head + problem.before + '.' + near!r}?" if near else problem
-        raise SettingError(f"there is no constant {name!r} ({meant})") from None
+        what = "parameter" if constant.tunable else "constant"
+        raise SettingError(f"there is no {what} {name!r} ({meant})") from None
 
 
 def _parameters(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> list[Target]:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from cspdiag.runtime.kernel.durations import shown
 from cspdiag.settings import SettingError, constant_setting, parse_duration, split_setting
 
 if TYPE_CHECKING:
     from cspdiag.model.program import Program
     from cspdiag.runtime.kernel.parameters import Change
 
-_AT = re.compile(r"at\s+(?P<time>[0-9][0-9.eE+-]*\s*[A-Za-z]+)\s+(?P<setting>.*)", re.DOTALL)
+_AT = re.compile(r"at\s+(?P<time>-?\s*[0-9][0-9.eE+-]*\s*[A-Za-z]+)\s+(?P<setting>[^\s=].*)", re.DOTALL)
+_BEGINS_WITH_AT = re.compile(r"at\s+[^\s=.\[]")
+"""A parameter may be called `at`, too."""
 _REMARK = re.compile(r"\s*(?:#|//).*")
 
 
@@ -23,6 +26,8 @@ def parse_line(program: Program, line: str, now: int) -> Change | None:
     if not text:
         return None
     timed = _AT.fullmatch(text)
+    if timed is None and _BEGINS_WITH_AT.match(text):
+        raise SettingError(f"a change at an instant is at TIME NAME=VALUE, such as at 2 s gain=3, not {text!r}")
     time = now if timed is None else parse_duration(timed["time"])
     return parse_change(program, time, *split_setting(text if timed is None else timed["setting"]))
 
@@ -31,6 +36,8 @@ def parse_change(program: Program, time: int, name: str, text: str) -> Change:
     """The change of a parameter, or of a field or an element of one, at a time in nanoseconds. Raises SettingError."""
     from cspdiag.runtime.kernel.parameters import Change
 
+    if time < 0:
+        raise SettingError(f"{name}={text}: a run has no instant {shown(time)}: it begins at 0 s")
     constant, positions, value = constant_setting(program, name, text)
     if not constant.tunable:
         own = constant.name.text

@@ -104,9 +104,14 @@ def _spread(name: str, text: str, target: Target) -> list[AxisValue]:
     if found is None:
         raise SettingError(f"{name}: `{text}` is not FIRST:LAST:COUNT, such as 1:5:9, nor FIRST:LAST:COUNT:log")
     count = found["count"].strip()
-    if not re.fullmatch(r"[0-9]{1,8}", count) or int(count) < 1:
-        raise SettingError(f"{name}: {count} is not a number of values: a sweep needs at least one")
-    if int(count) > MOST_RUNS:
+    if not re.fullmatch(r"[0-9]+", count):
+        raise SettingError(
+            f"{name}: `{text}` is not FIRST:LAST:COUNT, such as 1:5:9: {count} is not a number of values"
+        )
+    count = count.lstrip("0") or "0"
+    if count == "0":
+        raise SettingError(f"{name}: a sweep needs at least one value")
+    if len(count) > len(str(MOST_RUNS)) or int(count) > MOST_RUNS:
         raise SettingError(f"{name}: {count} values are too many: a sweep has at most {MOST_RUNS} runs")
     first, last = (_value(name, part, target) for part in (found["first"], found["last"]))
     return _between(name, target, first, last, int(count), logarithmic=found["log"] is not None)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record
+from cspdiag.base.spelling import Speller
 from cspdiag.codegen.c.package.sweep import states_of
 from cspdiag.simulate.record.leaves import Path, leaves
 
@@ -107,9 +108,9 @@ def _measure(text: str, known: dict[str, Signal], used: dict[str, int]) -> Measu
         raise MeasureError(f"a measure is {_forms()}, not {text!r}")
     kind = call["kind"]
     if kind not in KINDS:
-        from cspdiag.network.lower.program import suggestion
-
-        raise MeasureError(f"there is no measure {kind!r}{suggestion(kind, KINDS)}")
+        near = Speller().nearest(kind, KINDS)
+        meant = f"did you mean `{near}`?" if near else f"there are {_forms()}"
+        raise MeasureError(f"there is no measure {kind!r} ({meant})")
     argument, *others = (part.strip() for part in call["inside"].split(","))
     wanted = _TARGETS.get(kind, ())
     if len(others) != len(wanted):

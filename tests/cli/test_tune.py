@@ -58,7 +58,10 @@ def test_changes_take_effect_between_two_instants(cspdiag: Command, program: Pat
 
 def test_a_wrong_line_is_reported_and_the_run_continues(cspdiag: Command, program: Path) -> None:
     trace, said = traced(
-        cspdiag, program, "k\ntwice = 3\nT = 2 ms\nat 10 ms q = 1\nk = fast\nat 20 ms k = 2\ngains = 3\n"
+        cspdiag,
+        program,
+        "k\ntwice = 3\nT = 2 ms\nat 10 ms q = 1\nk = fast\nat 20 ms k = 2\ngains = 3\n"
+        "at -1 ms k = 4\nat 5 k = 3\ngains.kq = 3\n",
     )
     assert [value for _, channel, value in trace if channel == "Main.y"] == [4, 4, 8, 8, 8]
     assert [line.partition(": ")[2] for line in said.splitlines()] == [
@@ -69,6 +72,9 @@ def test_a_wrong_line_is_reported_and_the_run_continues(cspdiag: Command, progra
         "--tune, line 4: there is no parameter 'q' of the program (the parameters are k, gains)",
         "--tune, line 5: k: `fast` is not of type double",
         "--tune, line 7: gains: Gains is a struct; set its fields: gains.kp, gains.ti",
+        "--tune, line 8: k=4: a run has no instant -1 ms: it begins at 0 s",
+        "--tune, line 9: a change at an instant is at TIME NAME=VALUE, such as at 2 s gain=3, not 'at 5 k = 3'",
+        "--tune, line 10: there is no parameter 'gains.kq' (Gains has the fields kp, ti)",
     ]
 
 

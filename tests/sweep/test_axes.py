@@ -55,6 +55,8 @@ def test_values_of_python() -> None:
         ("gain", "1,,2", "gain"),
         ("gain", "", "gain"),
         ("gain", "1:2:99999999", "99999999 values are too many"),
+        ("gain", "1:2:99999999999", "99999999999 values are too many"),
+        ("gain", "a:b:c", "`a:b:c` is not FIRST:LAST:COUNT, such as 1:5:9: c is not a number of values"),
     ],
 )
 def test_what_is_not_a_range_is_refused(name: str, text: str, reason: str) -> None:
@@ -73,6 +75,13 @@ def test_whole_numbers_between_which_there_is_none() -> None:
     program = cspdiag.parse("parameter n : int = 1\nprocess A {\n  composition { skip }\n}\n")
     with pytest.raises(cspdiag.SettingError, match="4 values from 1 to 2 are not whole numbers"):
         program.sweep({"n": "1:2:4"})
+
+
+def test_floats_that_are_whole_are_integers() -> None:
+    program = cspdiag.parse("parameter n : int = 1\nprocess A {\n  composition { skip }\n}\n")
+    assert [row["n"] for row in program.sweep({"n": [2.0, -1e16]}, target="python", workers=1).rows] == [2, -(10**16)]
+    with pytest.raises(cspdiag.SettingError, match=r"2\.5"):
+        program.sweep({"n": [2.5]})
 
 
 def test_a_grid_that_is_too_large_is_refused_before_it_is_made() -> None:

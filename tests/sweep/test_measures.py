@@ -81,6 +81,7 @@ def test_a_difference_is_known_when_both_are() -> None:
     [
         ("power", "a measure is max(SIGNAL), min(SIGNAL)"),
         ("maxi(power)", "there is no measure 'maxi' (did you mean `max`?)"),
+        ("xyz(power)", "integral(SIGNAL), settling(SIGNAL, TARGET, TOLERANCE) or overshoot(SIGNAL, TARGET))"),
         ("max(pwer)", "there is no port or state 'pwer' to measure (did you mean `power`?)"),
         ("max(room.mass)", "there is no port or state 'room.mass' to measure"),
         ("max(power, 3)", "it is max(SIGNAL)"),

@@ -39,9 +39,8 @@ class ProcessError(Exception):
 class Timeout(ProcessError):  # noqa: N818 - the name that the language gives it
     """A sample was overwritten before it had been taken: a missed deadline."""
 
-
-class LinkTimeout(Timeout):
-    """Another host, for which the process waits, is silent."""
+    is_of_link = False
+    """Whether instead another host, for which the process waits, is silent."""
 
 
 class Fault(ProcessError):  # noqa: N818 - the name that the language gives it

@@ -74,7 +74,7 @@ class Elsewhere(Process):
 
     def waits_for(self, party: Party) -> Waits:
         """See ``Waitable.waits_for``."""
-        return ((f"for the place {self.place}", None),)
+        return ((f"in the place {self.place}, whose report says for what", None),)
 
     def started(self, scheduler: Scheduler) -> None:
         """Observers are not notified: it runs in the other place."""

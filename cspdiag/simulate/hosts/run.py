@@ -14,11 +14,11 @@ from cspdiag.runtime.channels.converting import Converting
 from cspdiag.runtime.kernel.clock import Clock
 from cspdiag.runtime.kernel.durations import END_OF_TIME
 from cspdiag.runtime.kernel.exceptions import (
-    LinkTimeout,
     PartnerLost,
     Place,
     ProcessError,
     RunFailed,
+    Timeout,
     described,
     text_of,
 )
@@ -361,7 +361,8 @@ class DividedRun(NetworkRun):
                 self._raise_timeouts(link.place)
 
     def _raise_timeouts(self, place: str) -> None:
-        error = LinkTimeout(f"the place `{place}` has been silent for {PATIENCE:g} s")
+        error = Timeout(f"the place `{place}` has been silent for {PATIENCE:g} s")
+        error.is_of_link = True
         if not self._division.talks_to(place):
             for part in self._network.elsewhere.values():
                 if part.place == place:

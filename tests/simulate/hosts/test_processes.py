@@ -44,7 +44,7 @@ def test_a_killed_place_raises_a_time_out_in_the_other_and_outputs_are_released(
     left.kill()
     code, output = ended(right)
     assert code == 1
-    assert re.search(r"LinkTimeout: the place `left` has been silent for 1 s, in Pair\.sink", output)
+    assert re.search(r" Timeout: the place `left` has been silent for 1 s, in Pair\.sink", output)
     assert record.read_text().splitlines()[-1].endswith(",7")
 
 

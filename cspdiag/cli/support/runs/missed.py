@@ -18,10 +18,10 @@ def explained_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | N
     ``diagnostics`` are those of the program: if one of them reports what takes too long between two reads, it is
     repeated.
     """
-    from cspdiag.runtime.kernel.exceptions import LinkTimeout, Timeout
+    from cspdiag.runtime.kernel.exceptions import Timeout
 
     error = result.outcome.error
-    place = error.place if isinstance(error, Timeout) and not isinstance(error, LinkTimeout) else None
+    place = error.place if isinstance(error, Timeout) and not error.is_of_link else None
     if place is None:
         return None
     from cspdiag.network.diagnostics.samples.rates import SamplesMissed

@@ -107,6 +107,8 @@ def _served(place: tuple[str, int], head: RecordingHead) -> FoxgloveSocket:
     except MissingPackageError as problem:
         raise UsageError(f"--serve: {problem}") from None
     except (OSError, RuntimeError) as problem:
-        raise UsageError(f"--serve {host}:{port}: {problem}") from None
+        reason = str(problem).removeprefix("FoxgloveError: ")
+        advice = "choose an address of this machine and a free port"
+        raise UsageError(f"--serve {host}:{port}: {reason}; {advice}") from None
     say(f"cspdiag: Foxglove and PlotJuggler can connect to ws://{host}:{socket.port}")
     return socket

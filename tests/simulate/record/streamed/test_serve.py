@@ -98,7 +98,9 @@ def test_a_port_that_is_taken_is_reported(program: Path, capsys: pytest.CaptureF
         taken.listen()
         number = taken.getsockname()[1]
         assert main(["run", str(program), "--serve", str(number), "--for", "1s"]) == 2
-    assert f"--serve 127.0.0.1:{number}: " in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"--serve 127.0.0.1:{number}: Failed to bind port: " in said
+    assert said.endswith("; choose an address of this machine and a free port\n")
 
 
 @pytest.mark.parametrize("place", ["main.csp", "70000", "host:", ":80"])
