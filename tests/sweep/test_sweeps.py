@@ -296,7 +296,7 @@ def test_wrong_arguments_are_refused(heater: cspdiag.LoadedProgram) -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
 @pytest.mark.parametrize("target", ["python", pytest.param("c", marks=needs_compiler)])
 def test_processes_end_with_the_one_that_sweeps_however_it_ends(target: str) -> None:
-    """Even in the middle of a run, which may take for ever."""
+    """Even in the middle of a run, which may take very long."""
     program = f"import cspdiag\ncspdiag.parse({HEATER!r}, 'a.csp').sweep({{'gain': 1}}, until=9e9, target={target!r})"
     with subprocess.Popen([sys.executable, "-c", program]) as sweeping:
         try:
