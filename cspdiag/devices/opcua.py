@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-import struct
 import threading
 from collections.abc import Coroutine, Mapping, Sequence
 from contextlib import suppress
@@ -137,7 +136,7 @@ class Opcua(MessageDevice):
                 port, value = self._unwritten.popitem()
                 try:
                     await self._targets[port][0].write_value(value)
-                except (TimeoutError, self._ua.UaError, OSError, struct.error) as error:
+                except (TimeoutError, self._ua.UaError, OSError) as error:
                     self._unwritten.clear()
                     self.fail(DeviceError(f"{self._inputs[port]} cannot be written: {_text(error)}"))
 

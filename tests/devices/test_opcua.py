@@ -43,7 +43,9 @@ class _Server(Peer):
             "go": objects.add_variable(ua.NodeId("Go", 2), "Go", 0),
             "valve": objects.add_variable(ua.NodeId("Valve", 2), "Valve", 0.0),
         }
-        self.variables["valve"].set_writable()
+        small = objects.add_variable(ua.NodeId("Small", 2), "Small", 0, ua.VariantType.Int16)
+        for variable in (self.variables["valve"], small):
+            variable.set_writable()
         self.server.start()
         self.ended = False
         self.thread = threading.Thread(target=self._watch)
@@ -100,6 +102,12 @@ def test_a_variable_that_the_server_does_not_have_is_reported_before_the_run(ser
     result = run(program(DRIVER.replace("s=Level", "s=Levle"), server.argument), lambda: None)
     assert result.outcome.time == 0
     assert "DeviceError: level_node: the server has no variable ns=2;s=Levle" in failure(result)
+
+
+def test_a_value_that_its_variable_cannot_have_ends_the_run(server: _Server) -> None:
+    server.variables["level"].write_value(45000.0)
+    result = run(program(DRIVER.replace("s=Valve", "s=Small"), server.argument), lambda: None, until="3 s")
+    assert "DeviceError: ns=2;s=Small cannot be written: " in failure(result)
 
 
 def test_a_server_that_is_not_there_is_reported_before_the_run() -> None:
