@@ -70,8 +70,11 @@ def _add_completers(parser: ArgumentParser) -> None:
 
     programs: Completer = FilesCompleter(allowednames=("csp",))
     positional = {"FILE": programs, "OLD": programs, "NEW": programs, "CODE": codes, "DEVICE": devices}
+    everywhere: dict[str, Completer] = {"EXAMPLE": examples, "REVISION": revisions}
     for action in parser._actions:
-        if action.option_strings:
+        if str(action.metavar) in everywhere:
+            completer: Completer | None = everywhere[str(action.metavar)]
+        elif action.option_strings:
             completer = _OF_OPTIONS.get(action.option_strings[-1])
         else:
             completer = positional.get(str(action.metavar)) if parser.prog != "cspdiag show" else None
@@ -116,6 +119,25 @@ def devices(**_: object) -> list[str]:
     from cspdiag.devices.catalogue import DEVICES
 
     return list(DEVICES)
+
+
+def examples(**_: object) -> list[str]:
+    """The names of the examples."""
+    from cspdiag.cli.support.files.examples import summaries
+
+    return list(summaries())
+
+
+def revisions(**_: object) -> list[str]:
+    """The branches and tags of the git repository; none outside of one."""
+    from cspdiag.cli.support.failure import UsageError
+    from cspdiag.cli.support.versions.revisions import LAST_COMMIT, git
+
+    try:
+        found = git(os.curdir, os.curdir, "for-each-ref", "--format=%(refname:short)")
+    except UsageError:
+        return []
+    return [LAST_COMMIT, *os.fsdecode(found).split()]
 
 
 def targets(parser: ArgumentParser, **_: object) -> list[str]:

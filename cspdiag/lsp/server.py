@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
 from collections.abc import Iterator
 from typing import Any
 
 from lsprotocol import types
+from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
@@ -25,6 +27,17 @@ _LONGEST_PAUSE = 0.5
 """Seconds of quiet for which the check of a slow program waits at most."""
 _QUICK = 0.1
 """Seconds of a check from which on it waits for quiet."""
+
+
+class _WithoutRefusals(logging.Filter):
+    """Keeps answers that refuse a request, such as a rename, out of the log: pygls takes them for failures."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether it is a failure."""
+        return record.exc_info is None or not isinstance(record.exc_info[1], JsonRpcInvalidParams)
+
+
+logging.getLogger("pygls.protocol.json_rpc").addFilter(_WithoutRefusals())
 
 
 class _Protocol(LanguageServerProtocol):

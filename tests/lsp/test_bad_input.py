@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import json
+import logging
 import os
 import re
 import signal
@@ -11,8 +13,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pygls.protocol.json_rpc
 import pytest
 from lsprotocol import types
+from pygls.exceptions import JsonRpcInvalidParams
 
 from cspdiag.lsp.documents import MAX_CHARACTERS
 from cspdiag.lsp.session import Session
@@ -218,6 +222,17 @@ async def test_a_message_that_is_damaged_does_not_end_the_server(tmp_path: Path)
         assert "peroid" in server.published()
     finally:
         server.kill()
+
+
+async def test_a_refused_request_is_no_failure_in_the_log(caplog: pytest.LogCaptureFixture) -> None:
+    importlib.import_module("cspdiag.lsp.server")
+    log = logging.getLogger(pygls.protocol.json_rpc.__name__)
+    for problem in (JsonRpcInvalidParams("`1` is not a name"), ValueError("wrong")):
+        try:
+            raise problem
+        except (JsonRpcInvalidParams, ValueError):
+            log.exception("request 1")
+    assert [record.exc_info[1] for record in caplog.records if record.exc_info] == [problem]
 
 
 async def test_trees_of_closed_files_are_forgotten(tmp_path: Path) -> None:

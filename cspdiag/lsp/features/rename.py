@@ -8,15 +8,17 @@ from collections.abc import Callable, Sequence
 
 from lsprotocol import types
 
-from cspdiag.base.diagnostic import Edit
+from cspdiag.base.diagnostic import Diagnostic, Edit
 from cspdiag.base.edits import applied
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.record import replaced
 from cspdiag.base.span import SourceFile
 from cspdiag.lsp.documents import Documents, identity, is_bundled
 from cspdiag.lsp.features.actions import workspace_edit
 from cspdiag.lsp.features.navigation import Key, key, uses
 from cspdiag.lsp.occurrences import Occurrence, name_place
 from cspdiag.lsp.view import View
+from cspdiag.model.diagnostics.names import DuplicateName
 from cspdiag.syntax.parse.automaton import automaton
 from cspdiag.syntax.parse.lexer import CONTEXTUAL_KEYWORDS
 
@@ -86,11 +88,20 @@ class _Afterwards:
             new = {(each.code, each.message) for each in after.diagnostics if each.severity == "error"}
             old = {(each.code, each.message) for each in view.diagnostics if each.severity == "error"}
             if len(new) > len(old):
-                message = next(message for _, message in sorted(new - old))
-                raise RenameError(f"with this name the program would be wrong: {message}")
+                code, message = min(new - old)
+                found = next(each for each in after.diagnostics if (each.code, each.message) == (code, message))
+                raise RenameError(f"with this name the program would be wrong: {self._words(found)}")
             before = {self._moved(*place) for place in _places(view, self._declaration)}
             if before != _places(after, self._moved(*self._declaration)):
                 raise RenameError("with this name another declaration would be meant somewhere")
+
+    def _words(self, found: Diagnostic) -> str:
+        """What is wrong. Of two declarations with one name the one that has had it is named, not the renamed one."""
+        if isinstance(found, DuplicateName):
+            first = identity(found.first.file), found.first.start
+            if first == self._moved(*self._declaration):
+                return replaced(found, first_kind=found.kind).message
+        return found.message
 
     def _changed(self, source: SourceFile) -> SourceFile:
         return SourceFile(name=source.name, text=applied(source.text, self._edits.get(identity(source.name), ())))

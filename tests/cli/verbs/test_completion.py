@@ -53,6 +53,9 @@ def offered(line: str, tmp_path: Path, folder: Path = ROOT) -> list[str]:
         ("cspdiag check --format s", ["sarif"]),
         ("cspdiag explain E0523", ["E0523"]),
         ("cspdiag devices u", ["udp"]),
+        ("cspdiag examples jiwy_", ["jiwy_mujoco"]),
+        ("cspdiag new mine --from jiwy_", ["jiwy_mujoco"]),
+        ("cspdiag diff --from HEA", ["HEAD"]),
         ("cspdiag run missing.csp --environment ", [""]),
     ],
 )

@@ -52,7 +52,9 @@ def _check_once(names: Sequence[str], arguments: Namespace) -> set[str]:
         for diagnostic in check(source, read, for_findings=True, real=arguments.real).report.diagnostics:
             found.add(diagnostic)
     show_findings(found.diagnostics, checked, arguments)
-    say(f"{time.strftime('%H:%M:%S')} {_summary(found.diagnostics)}; watching {_files(len(seen))}, Ctrl-C ends")
+    unread = len(names) - len(checked)
+    summary = _summary(found.diagnostics) + (f", {_files(unread)} not checked" if unread else "")
+    say(f"{time.strftime('%H:%M:%S')} {summary}; watching {_files(len(seen))}, Ctrl-C ends")
     return seen
 
 

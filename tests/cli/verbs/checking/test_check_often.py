@@ -74,6 +74,8 @@ def test_a_change_of_an_imported_file_is_checked_again_until_ctrl_c(tmp_path: Pa
         _wait_for(log, "library.csp")
         library.write_text(GOOD)
         _wait_for(log, "0 errors, 0 warnings; watching 2 files", times=2)
+        main.unlink()
+        _wait_for(log, "0 errors, 0 warnings, 1 file not checked; watching 1 file")
     finally:
         watching.send_signal(signal.SIGINT)
         assert watching.wait(timeout=60) == 130
