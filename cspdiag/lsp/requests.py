@@ -229,10 +229,12 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
     if assertion is None:
         return None
     texts = {name: text for name, text in view.texts.items() if text is not None}
+    # While it is proved the text may change, and with it the places in the tree.
+    asserted = " ".join(assertion.span.text.split())
     try:
         found = await proving.prove(view.main, texts, assertion.span.start)
     except proving.ProvingError as problem:
-        message = f"`{' '.join(assertion.span.text.split())}` cannot be proved: {problem}"
+        message = f"`{asserted}` cannot be proved: {problem}"
         ls.window_show_message(types.ShowMessageParams(types.MessageType.Error, message))
         return None
     view.answers.update({each.start: each for each in found})
