@@ -7,7 +7,7 @@ MODEL  := models/jiwy/jiwy.csp
 VSCODE := editors/vscode
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test hunt check bench fmt docs pictures cases grammar vscode test-vscode clean
+.PHONY: help setup run test hunt check bench fmt docs pictures cases grammar vscode test-vscode pictures-vscode clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -78,6 +78,10 @@ vscode: $(VSCODE)/node_modules/.stamp ## Pack the extension for VS Code: editors
 test-vscode: $(VENV)/.stamp-dev $(VSCODE)/node_modules/.stamp $(VSCODE)/test/e2e/node_modules/.stamp ## Test that extension in code-server (300 MB by npm) and chromium
 	cd $(VSCODE) && npm run --silent check
 	$(BIN)/pytest -rs tests/editors/test_vscode.py
+
+pictures-vscode: vscode $(VSCODE)/test/e2e/node_modules/.stamp ## Make the pictures of that extension in the documentation; look at them
+	cd $(VSCODE) && SCREENSHOTS=build/screenshots npm run --silent test:e2e
+	$(BIN)/python distribution/editor_pictures.py $(VSCODE)/build/screenshots
 
 clean: ## Remove .venv, build/ and the caches
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

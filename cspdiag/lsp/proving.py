@@ -9,6 +9,7 @@ import pickle
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
+from typing import Any
 
 from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.errors import CspdiagError
@@ -34,6 +35,8 @@ class Proved:
     start: int
     title: str
     found: Diagnostic | None
+    steps: tuple[dict[str, Any], ...] = ()
+    """How it comes to that, for diagrams."""
 
 
 class ProvingError(CspdiagError):
@@ -81,7 +84,9 @@ def answer(request: Mapping[str, object]) -> None:
 
 
 def _answers(request: Mapping[str, object]) -> list[Proved] | str:
+    from cspdiag.lsp.pictures.steps import steps_shown
     from cspdiag.pipeline import proof_obligations
+    from cspdiag.proofs.answers.answer import Answer
     from cspdiag.proofs.answers.findings import diagnostic_of
     from cspdiag.proofs.verdict import Limits
     from cspdiag.verify.confirm import Verifier
@@ -112,6 +117,14 @@ def _answers(request: Mapping[str, object]) -> list[Proved] | str:
         answers = [verifier.answer(question, Limits(TIME_LIMIT, MEMORY_LIMIT)) for question in questions]
     except VerificationError as problem:
         return str(problem)
+    program = obligations.checked.program
+
+    def steps(answer: Answer) -> tuple[dict[str, Any], ...]:
+        if answer.counterexample is None or program is None:
+            return ()
+        network = obligations.network(answer.question.process)
+        return tuple(steps_shown(program, answer.counterexample, network))
+
     words = {"proved": "Proved", "refuted": "Refuted", "unknown": "Not proved"}
     found = [(each, diagnostic_of(each)) for each in answers]
     return [
@@ -119,6 +132,7 @@ def _answers(request: Mapping[str, object]) -> list[Proved] | str:
             each.question.span.start,
             f"{words[each.outcome]}: {each.reason if diagnostic is None else diagnostic.message}",
             diagnostic,
+            steps(each),
         )
         for each, diagnostic in found
     ]

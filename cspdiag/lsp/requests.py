@@ -216,7 +216,10 @@ def _hints(ls: CspdiagServer, params: types.InlayHintParams) -> list[types.Inlay
 @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
 def _lenses(ls: CspdiagServer, params: types.CodeLensParams) -> list[types.CodeLens]:
     view = ls.view(params.text_document.uri)
-    return [] if view is None else lenses.lenses(view, params.text_document.uri, ls.session.positions)
+    if view is None:
+        return []
+    commands = lenses.commands_of(ls.client_capabilities)
+    return lenses.lenses(view, params.text_document.uri, ls.session.positions, commands)
 
 
 @server.command(lenses.VERIFY)

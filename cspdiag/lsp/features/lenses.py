@@ -12,15 +12,41 @@ VERIFY = "cspdiag.verify"
 """The command that proves the assertions of a file: its arguments are the URI and the line of an assertion, from 0."""
 
 
-def lenses(view: View, uri: str, positions: Positions) -> list[types.CodeLens]:
-    """A lens for each assertion; after a proof its title is the answer."""
+RUN, PLOT, STEP = "cspdiag.run", "cspdiag.plot", "cspdiag.step"
+"""Commands of editors, which say in their experimental capabilities that they have them: to run an environment, given
+by the URI, its name and its line from 0, and to show the steps of a counterexample, given by the URI and the steps.
+"""
+
+
+def lenses(view: View, uri: str, positions: Positions, commands: frozenset[str] = frozenset()) -> list[types.CodeLens]:
+    """A lens for each assertion, whose title is the answer after a proof; others for the ``commands`` that the editor
+    has.
+    """
     found = []
     for item in assertions(view):
         place = positions.range(item.span)
         answer = view.answers.get(item.span.start)
         title = "Verify" if answer is None else answer.title
         found.append(types.CodeLens(place, types.Command(title, VERIFY, arguments=[uri, place.start.line])))
+        if answer is not None and answer.steps and STEP in commands:
+            step = types.Command("Step through", STEP, arguments=[uri, list(answer.steps)])
+            found.append(types.CodeLens(place, step))
+    for environment in view.tree.items:
+        if isinstance(environment, ast.EnvironmentDefinition):
+            place = positions.range(environment.name.span)
+            arguments = [uri, environment.name.text, place.start.line]
+            for title, command in (("Run", RUN), ("Plot", PLOT)):
+                if command in commands:
+                    found.append(types.CodeLens(place, types.Command(title, command, arguments=list(arguments))))
     return found
+
+
+def commands_of(capabilities: types.ClientCapabilities) -> frozenset[str]:
+    """The commands that an editor says it has."""
+    experimental = capabilities.experimental
+    named = experimental.get("cspdiag") if isinstance(experimental, dict) else getattr(experimental, "cspdiag", None)
+    commands = named.get("commands") if isinstance(named, dict) else getattr(named, "commands", None)
+    return frozenset(commands) if isinstance(commands, list) else frozenset()
 
 
 def assertions(view: View) -> list[ast.Assertion]:

@@ -2,17 +2,34 @@
 
 import * as vscode from "vscode";
 import { DiagramView } from "./diagram";
+import type { Step } from "./diagram";
 import { openExample } from "./examples";
+import { Runs } from "./run";
 import { Server } from "./server";
 
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
   const output = vscode.window.createOutputChannel("cspdiag", { log: true });
-  const server = new Server(context, output);
+  const runs = new Runs(output);
+  const server = new Server(context, output, runs);
   const diagram = new DiagramView(context, server);
+  const run = async (plot: boolean, uri: string, environment: string) => {
+    if (server.command !== undefined) {
+      await runs.run(server.command, vscode.Uri.parse(uri), environment, plot);
+    }
+  };
   context.subscriptions.push(
     output,
     server,
     diagram,
+    runs,
+    // What the server's lenses call; their arguments are those of cspdiag.lsp.features.lenses.
+    vscode.commands.registerCommand("cspdiag.run", (...given: [string, string]) => run(false, ...given)),
+    vscode.commands.registerCommand("cspdiag.plot", (...given: [string, string]) => run(true, ...given)),
+    vscode.commands.registerCommand("cspdiag.step", async (uri: string, steps: Step[]) => {
+      await diagram.walk(await vscode.workspace.openTextDocument(vscode.Uri.parse(uri)), steps);
+    }),
+    vscode.commands.registerCommand("cspdiag.nextStep", () => diagram.move(1)),
+    vscode.commands.registerCommand("cspdiag.previousStep", () => diagram.move(-1)),
     vscode.commands.registerCommand("cspdiag.showDiagram", () => {
       diagram.open();
     }),

@@ -4,6 +4,7 @@ import { existsSync } from "node:fs";
 import { homedir } from "node:os";
 import * as path from "node:path";
 import * as vscode from "vscode";
+import type { StaticFeature } from "vscode-languageclient/node";
 import { CloseAction, ErrorAction, LanguageClient, State, Trace } from "vscode-languageclient/node";
 import type { Found, Surroundings } from "./find";
 import { find } from "./find";
@@ -11,6 +12,7 @@ import { install, REQUIREMENT } from "./install";
 import type { Problem } from "./probe";
 import { problemOf } from "./probe";
 import { Restarts } from "./restarts";
+import type { Runs } from "./run";
 
 export class Server implements vscode.Disposable {
   private client: LanguageClient | undefined;
@@ -23,7 +25,16 @@ export class Server implements vscode.Disposable {
   constructor(
     private readonly context: vscode.ExtensionContext,
     private readonly output: vscode.LogOutputChannel,
-  ) {}
+    private readonly runs: Runs,
+  ) {
+    runs.onDidChange(() => {
+      // Lenses are asked for again, as after a request of the server.
+      const provider = this.running?.getFeature("textDocument/codeLens");
+      for (const document of provider === undefined ? [] : vscode.workspace.textDocuments) {
+        provider?.getProvider(document)?.onDidChangeCodeLensEmitter.fire();
+      }
+    });
+  }
 
   /** The connection to the server while it is running. */
   get running(): LanguageClient | undefined {
@@ -106,6 +117,10 @@ export class Server implements vscode.Disposable {
           { language: "csp", scheme: "untitled" },
         ],
         outputChannel: this.output,
+        middleware: {
+          provideCodeLenses: async (document, token, next) =>
+            this.runs.withResults(document, (await next(document, token)) ?? []),
+        },
         synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.csp") },
         errorHandler: {
           error: () => ({ action: ErrorAction.Continue, handled: true }),
@@ -122,6 +137,7 @@ export class Server implements vscode.Disposable {
         },
       },
     );
+    client.registerFeature(LENSES);
     this.client = client;
     this.found = found;
     client.onDidChangeState(({ newState }) => {
@@ -184,6 +200,17 @@ export class Server implements vscode.Disposable {
     };
   }
 }
+
+/** Tells the server which commands its lenses may call here. */
+const LENSES: StaticFeature = {
+  fillClientCapabilities: (capabilities) => {
+    const commands = ["cspdiag.run", "cspdiag.plot", "cspdiag.step"];
+    capabilities.experimental = { ...(capabilities.experimental as object | undefined), cspdiag: { commands } };
+  },
+  initialize: () => undefined,
+  getState: () => ({ kind: "static" }),
+  clear: () => undefined,
+};
 
 function advice(problem: Problem, found: Found): string {
   const python = path.join(path.dirname(found.command), "python");

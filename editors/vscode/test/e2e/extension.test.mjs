@@ -1,11 +1,26 @@
 // The extension in an editor, as its user meets it.
 import assert from "node:assert/strict";
+import { readFileSync, unlinkSync } from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
 import { Editor } from "./editor.mjs";
 
 const MODELS = path.join(import.meta.dirname, "../../../../models");
 const SLIP = "const period = 1 ms\nconst slow = 10 * peroid\n";
+
+const CROSSED = `process Left { out a : int in b : int communication { var x : int } composition { a ! 1 ; b ? x } }
+process Right { in a : int out b : int communication { var x : int } composition { a ? x ; b ! 2 ; a ? x } }
+process Main {
+  communication {
+    left : Left
+    right : Right
+    left.a -> right.a
+    right.b -> left.b
+  }
+  composition { left || right }
+}
+assert Main deadlock free
+`;
 
 /** @type {Editor} */
 let editor;
@@ -24,7 +39,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP };
+  const files = { "slip.csp": SLIP, "crossed.csp": CROSSED, "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
   editor = await Editor.start({ files, folder: "my project #1" });
 });
@@ -106,4 +121,39 @@ step("a server that is killed is started again, and that is said once", async ()
   await editor.until(() => editor.servers().some((each) => each !== first));
   await editor.goTo(30, 7);
   await editor.diagram.locator("#Align-failed.lit").waitFor();
+});
+
+step("an environment is run and plotted where it is written", async () => {
+  const line = readFileSync(path.join(MODELS, "jiwy/jiwy.csp"), "utf8").split("\n").findIndex((each) => /^environment/.test(each)) + 1;
+  await editor.goTo(line);
+  await editor.page.locator(".codelens-decoration a", { hasText: "Plot" }).first().click();
+  await editor.page.locator(".tab", { hasText: "Bench.png" }).waitFor();
+  await editor.page.locator(".codelens-decoration", { hasText: "ended by itself at 12.78 s" }).waitFor();
+  await editor.screenshot("plot");
+});
+
+step("a counterexample is stepped through in the diagram", async () => {
+  await editor.open("crossed.csp");
+  await editor.goTo(12);
+  await editor.page.locator(".codelens-decoration a", { hasText: "Verify" }).click();
+  await editor.page.locator(".codelens-decoration a", { hasText: "Refuted" }).waitFor();
+  await editor.page.locator(".codelens-decoration a", { hasText: "Step through" }).click();
+  await editor.diagram.locator("#position", { hasText: "1/3" }).waitFor();
+  await editor.diagram.locator("#Main-left-a-right-a.communicating").waitFor();
+  await editor.diagram.locator("#next").click();
+  await editor.diagram.locator("#Main-right-b-left-b.communicating").waitFor();
+  await editor.diagram.locator("#next").click();
+  await editor.diagram.locator("#Main-right.waiting").waitFor();
+  assert.equal(await editor.diagram.locator(".communicating").count(), 0);
+  await editor.screenshot("counterexample");
+  await editor.diagram.locator("#leave").click();
+  await editor.diagram.locator("#steps").waitFor({ state: "hidden" });
+});
+
+step("a file that is not UTF-8, and one that is deleted while it is open", async () => {
+  await editor.open("latin.csp");
+  await editor.page.locator(".squiggly-error, .squiggly-warning, .view-line").first().waitFor();
+  unlinkSync(path.join(editor.folder, "latin.csp"));
+  await editor.open("slip.csp", 2, 20);
+  await editor.page.locator(".squiggly-error").first().waitFor();
 });

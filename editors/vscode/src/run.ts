@@ -1,0 +1,109 @@
+/** Runs a program in one of its environments; the result is shown where the environment is written. */
+
+import { spawn } from "node:child_process";
+import { mkdtemp } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import * as path from "node:path";
+import * as vscode from "vscode";
+
+/** How a run ended: its exit code (null if it was stopped), and what it printed. */
+interface Ended {
+  status: number | null;
+  output: string;
+}
+
+export class Runs implements vscode.Disposable {
+  /** For each document, what the last run of each environment said. */
+  private readonly results = new Map<string, Map<string, string>>();
+  private readonly changed = new vscode.EventEmitter<void>();
+  /** Lenses have other titles. */
+  readonly onDidChange = this.changed.event;
+  private readonly disposables = [
+    this.changed,
+    vscode.workspace.onDidChangeTextDocument(({ document, contentChanges }) => {
+      // A result belongs to the text that was run.
+      if (contentChanges.length > 0) {
+        this.results.delete(document.uri.toString());
+      }
+    }),
+  ];
+
+  constructor(private readonly output: vscode.LogOutputChannel) {}
+
+  dispose(): void {
+    for (const each of this.disposables) {
+      each.dispose();
+    }
+  }
+
+  /** The lenses of a document, with a further one for each result. */
+  withResults(document: vscode.TextDocument, lenses: readonly vscode.CodeLens[]): vscode.CodeLens[] {
+    const results = this.results.get(document.uri.toString());
+    return lenses.flatMap((lens) => {
+      const environment: unknown = lens.command?.arguments?.[1];
+      const result = typeof environment === "string" ? results?.get(environment) : undefined;
+      if (result === undefined || lens.command?.command !== "cspdiag.plot") {
+        return [lens];
+      }
+      return [lens, new vscode.CodeLens(lens.range, { title: result, command: "cspdiag.showOutput" })];
+    });
+  }
+
+  /** Runs the saved text of a file; with `plot` a figure is shown beside it. */
+  async run(cspdiag: string, uri: vscode.Uri, environment: string, plot: boolean): Promise<void> {
+    const document = await vscode.workspace.openTextDocument(uri);
+    if (document.isDirty && !(await document.save())) {
+      void vscode.window.showErrorMessage(`${uri.fsPath} was not run: it could not be saved.`);
+      return;
+    }
+    const time = vscode.workspace.getConfiguration("cspdiag").get("run.for", "20 s");
+    const args = ["run", uri.fsPath, "--environment", environment, "--color", "never"];
+    if (time.trim() !== "") {
+      args.push("--for", time.replaceAll(" ", ""));
+    }
+    const figure = plot ? path.join(await mkdtemp(path.join(tmpdir(), "cspdiag-")), `${environment}.png`) : undefined;
+    if (figure !== undefined) {
+      args.push("--plot", figure);
+    }
+    const ended = await vscode.window.withProgress(
+      { location: vscode.ProgressLocation.Notification, title: `Running ${environment}`, cancellable: true },
+      (_, token) => execute(cspdiag, args, path.dirname(uri.fsPath), token),
+    );
+    this.keep(uri, environment, ended);
+    if (figure !== undefined && ended.status === 0) {
+      const beside = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
+      await vscode.commands.executeCommand("vscode.open", vscode.Uri.file(figure), beside);
+    }
+  }
+
+  private keep(uri: vscode.Uri, environment: string, ended: Ended): void {
+    this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
+    const key = uri.toString();
+    const known = this.results.get(key) ?? new Map<string, string>();
+    known.set(environment, ended.status === null ? "stopped" : firstLine(ended.output));
+    this.results.set(key, known);
+    this.changed.fire();
+  }
+}
+
+/** The line that says how a run ended, or why there was none. */
+export function firstLine(output: string): string {
+  return output.split("\n").find((line) => line.trim() !== "") ?? "ended without a word";
+}
+
+function execute(command: string, args: string[], cwd: string, token: vscode.CancellationToken): Promise<Ended> {
+  return new Promise((resolve) => {
+    const child = spawn(command, args, { cwd, stdio: ["ignore", "pipe", "pipe"] });
+    let output = "";
+    const collect = (data: Buffer) => (output += data.toString());
+    child.stdout.on("data", collect);
+    child.stderr.on("data", collect);
+    token.onCancellationRequested(() => child.kill("SIGINT"));
+    child.on("error", (problem) => {
+      resolve({ status: 1, output: String(problem) });
+    });
+    child.on("close", (status) => {
+      resolve({ status: token.isCancellationRequested ? null : status, output });
+    });
+  });
+}

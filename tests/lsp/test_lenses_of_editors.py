@@ -1,0 +1,70 @@
+"""Lenses for commands that an editor has, and the steps of a counterexample as diagrams show them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from lsprotocol import types
+
+from cspdiag.lsp.features.lenses import PLOT, RUN, STEP, commands_of, lenses
+from cspdiag.lsp.proving import prove
+from cspdiag.lsp.session import Session
+
+CROSSED = """process Left { out a : int in b : int communication { var x : int } composition { a ! 1 ; b ? x } }
+process Right { in a : int out b : int communication { var x : int } composition { a ? x ; b ! 2 ; a ? x } }
+process Main {
+  communication {
+    left : Left
+    right : Right
+    left.a -> right.a
+    right.b -> left.b
+  }
+  composition { left || right }
+}
+environment Bench for Main { }
+assert Main deadlock free
+"""
+
+
+def titles(session: Session, uri: str, commands: frozenset[str]) -> list[str]:
+    document = session.documents.get(uri)
+    assert document is not None
+    found = lenses(session.view(document), uri, session.positions, commands)
+    return [f"{each.range.start.line + 1} {each.command.title}" for each in found if each.command is not None]
+
+
+def test_an_editor_that_runs_programs_has_lenses_on_environments(tmp_path: Path) -> None:
+    session, uri = Session(), (tmp_path / "crossed.csp").as_uri()
+    session.documents.open(uri, CROSSED, 1)
+    assert titles(session, uri, frozenset()) == ["13 Verify"]
+    assert titles(session, uri, frozenset({RUN, PLOT, STEP})) == ["13 Verify", "12 Run", "12 Plot"]
+
+
+@pytest.mark.parametrize("wrap", [lambda value: value, lambda value: SimpleNamespace(**value)])
+def test_the_commands_of_an_editor_are_read_whatever_class_has_them(wrap: type) -> None:
+    experimental = wrap({"cspdiag": wrap({"commands": [RUN]})})
+    assert commands_of(types.ClientCapabilities(experimental=experimental)) == {RUN}
+    assert commands_of(types.ClientCapabilities()) == frozenset()
+    assert commands_of(types.ClientCapabilities(experimental=wrap({"cspdiag": 3}))) == frozenset()
+
+
+@pytest.mark.asyncio
+async def test_the_steps_of_a_counterexample_have_the_keys_of_the_diagram(tmp_path: Path) -> None:
+    session, uri = Session(), (tmp_path / "crossed.csp").as_uri()
+    view = session.view(session.documents.open(uri, CROSSED, 1))
+    (answer,) = await prove(view.main, {}, CROSSED.index("assert"))
+    ports = {"left.a", "right.a", "right.b", "left.b"}
+    steps = [
+        (each["process"], each["text"], set(each["communicating"]) - ports, set(each["waiting"]) - ports)
+        for each in answer.steps
+    ]
+    a, b = {"left", "right", "left.a -> right.a"}, {"left", "right", "right.b -> left.b"}
+    assert steps == [
+        ("Main", "left.a 1", a, set()),
+        ("Main", "right.b 2", b, set()),
+        ("Main", "right waits to read left.a", set(), {"right", "left.a -> right.a"}),
+    ]
+    view.answers[answer.start] = answer
+    assert titles(session, uri, frozenset({STEP}))[1:] == ["13 Step through"]
