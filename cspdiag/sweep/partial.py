@@ -6,6 +6,7 @@ import csv
 import os
 import zlib
 from collections.abc import Mapping
+from itertools import islice
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, BinaryIO, Self
@@ -31,7 +32,7 @@ def partial_path(output: Path) -> Path:
 
 class PartialTable:
     """Writes results to a file, a line of CSV each, in the order in which they are known. Its first line identifies the
-    sweep; each line ends with a checksum of itself.
+    sweep; each line ends with a checksum of itself. A file without results is removed.
     """
 
     def __init__(self, plan: Plan, output: Path, *, resume: bool, version: str) -> None:
@@ -46,13 +47,14 @@ class PartialTable:
         self.damaged: tuple[int, ...] = ()
         """The numbers of the lines that are damaged, whose results are not known."""
         length = 0
-        if self.path.exists():
+        if self.path.exists() and _has_results(self.path):
             if not resume:
                 raise ResumeError(
                     f"{self.path} has results of an interrupted sweep: --resume continues it; otherwise remove it"
                 )
             self.known, self.damaged, length = _read(plan, self.path, mark)
         self._file: BinaryIO = open(self.path, "r+b" if length else "wb", buffering=0)  # noqa: SIM115
+        self._has_results = bool(self.known)
         self._file.seek(length)
         self._file.truncate()
         if not length:
@@ -60,6 +62,7 @@ class PartialTable:
 
     def add(self, run: int, result: Result) -> None:
         """Write a result. Raises OSError, with the name of the file, if there is no room."""
+        self._has_results = True
         line = csv_line(cells_of(self._plan.grid, run, result)).rstrip("\n")
         self._write(f"{line},{zlib.crc32(line.encode())}\n")
 
@@ -83,6 +86,14 @@ class PartialTable:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._file.close()
+        if not self._has_results:
+            self.path.unlink(missing_ok=True)
+
+
+def _has_results(path: Path) -> bool:
+    """Whether a file has more than the two lines of its head."""
+    with path.open("rb") as file:
+        return len(list(islice(file, 3))) == 3
 
 
 def _read(plan: Plan, path: Path, mark: str) -> tuple[dict[int, Result], tuple[int, ...], int]:

@@ -78,6 +78,17 @@ def test_a_damaged_line_is_not_used(plan: Plan, tmp_path: Path, seed: int) -> No
         assert table.known == {7: RESULT, 5: RESULT, 2: RESULT}
 
 
+def test_a_file_without_results_is_not_kept(plan: Plan, tmp_path: Path) -> None:
+    with opened(plan, tmp_path, resume=False) as table:
+        head = table.path.read_bytes()
+    assert not table.path.exists()
+    table.path.write_bytes(head[:-3])  # The process was killed.
+    with opened(plan, tmp_path, resume=False, version="2") as table:
+        table.add(1, RESULT)
+    with opened(plan, tmp_path, version="2") as table:
+        assert table.known == {1: RESULT}
+
+
 def test_two_results_of_one_run_are_refused(plan: Plan, tmp_path: Path) -> None:
     with opened(plan, tmp_path, resume=False) as table:
         table.add(2, RESULT)

@@ -232,7 +232,9 @@ def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None
 
 
 def _say_interrupted(done: int, total: int, partial: PartialTable | None) -> None:
-    if partial is None:
+    if not done:
+        say(f"cspdiag: interrupted before the first of {total} runs")
+    elif partial is None:
         say(f"cspdiag: interrupted after {done} of {total} runs; with -o FILE, they would be kept for --resume")
     else:
         where = f"in {partial.path}; --resume makes the others"

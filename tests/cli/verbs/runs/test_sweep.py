@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import zlib
 from pathlib import Path
 
 import pytest
@@ -110,7 +111,8 @@ def test_ctrl_c_leaves_what_can_be_resumed(cspdiag: Command, heater: Path) -> No
     assert "belongs to another sweep" in other.err
     # The results that are there are not made again: one is changed to see it, and the last line is cut.
     number = lines[2].partition(",")[0]
-    changed = [*lines[:2], lines[2].replace("time limit", "terminated"), *lines[3:-1], lines[-1][:5]]
+    row = lines[2].rpartition(",")[0].replace("time limit", "terminated")
+    changed = [*lines[:2], f"{row},{zlib.crc32(row.encode())}", *lines[3:-1], lines[-1][:5]]
     partial.write_text("\n".join(changed))
     assert cspdiag("sweep", heater.name, *options, "--resume", "--quiet").code == 0
     assert not partial.exists()
@@ -126,9 +128,9 @@ def test_sigkill_leaves_whole_lines_and_no_processes(heater: Path) -> None:
     assert done.returncode == -signal.SIGKILL
     mark, header, *rows = (heater.parent / "table.csv.partial").read_text().splitlines()
     assert mark.startswith("# cspdiag sweep ")
-    assert header == "run,gain,mean(power),ended,time,error"
+    assert header == "run,gain,mean(power),ended,time,error,checksum"
     assert len(rows) > 2
-    assert all(row.count(",") == 5 for row in rows[:-1])
+    assert all(row.count(",") == 6 for row in rows[:-1])
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
