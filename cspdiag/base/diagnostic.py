@@ -6,12 +6,23 @@ Each kind of diagnostic is a subclass in the folder ``diagnostics`` of the layer
 
 from __future__ import annotations
 
+import re
 from typing import ClassVar, Literal, Self
 
 from cspdiag.base.record import record, replaced
 from cspdiag.base.span import Span
 
 Severity = Literal["error", "warning"]
+
+LONGEST_NAME = 80
+"""In characters; of a longer name or number in a message the beginning and the end are shown."""
+_LONG_NAME = re.compile(rf"\w{{{LONGEST_NAME + 1},}}", re.ASCII)
+
+
+def with_short_names(text: str) -> str:
+    """A sentence in which no name is longer than ``LONGEST_NAME``."""
+    half = LONGEST_NAME // 2
+    return _LONG_NAME.sub(lambda name: f"{name[0][:half]}…{name[0][1 - half :]}", text)
 
 
 @record
@@ -28,6 +39,16 @@ class Edit:
 
     span: Span
     replacement: str
+
+
+@record
+class Words:
+    """What a diagnostic says, with names that are short enough to be read."""
+
+    message: str
+    label: str
+    help: str | None
+    labels: tuple[Label, ...]
 
 
 @record
@@ -72,7 +93,17 @@ class Diagnostic:
 
     def __str__(self) -> str:
         line, column = self.span.source.position(self.span.start)
-        return f"{self.span.file}:{line}:{column}: {self.message}"
+        return f"{self.span.file}:{line}:{column}: {with_short_names(self.message)}"
+
+    @property
+    def words(self) -> Words:
+        """What it says, to be shown; names of many characters are shortened, since a text may be damaged."""
+        return Words(
+            with_short_names(self.message),
+            with_short_names(self.label),
+            None if self.help is None else with_short_names(self.help),
+            tuple(Label(label.span, with_short_names(label.message)) for label in self.all_labels),
+        )
 
     @property
     def labels(self) -> tuple[Label, ...]:

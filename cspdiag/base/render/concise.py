@@ -15,5 +15,5 @@ def render(diagnostics: Sequence[Diagnostic]) -> str:
 
 def _line(diagnostic: Diagnostic) -> str:
     span = diagnostic.span
-    message, file = map(on_one_line, (diagnostic.message, span.file))
+    message, file = map(on_one_line, (diagnostic.words.message, span.file))
     return f"{file}:{span.line}:{span.column}: {diagnostic.severity}[{diagnostic.code}] {message}"

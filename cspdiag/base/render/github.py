@@ -24,7 +24,8 @@ def _command(diagnostic: Diagnostic) -> str:
         "title": f"{diagnostic.code}: {diagnostic.title}",
     }
     listed = ",".join(f"{name}={_escape_property(value)}" for name, value in properties.items())
-    text = diagnostic.message + (f"\nhelp: {diagnostic.help}" if diagnostic.help else "")
+    words = diagnostic.words
+    text = words.message + (f"\nhelp: {words.help}" if words.help else "")
     return f"::{diagnostic.severity} {listed}::{_escape(text)}"
 
 

@@ -28,12 +28,13 @@ def _range(span: Span) -> dict[str, Any]:
 
 
 def _object(diagnostic: Diagnostic) -> dict[str, Any]:
+    words = diagnostic.words
     return {
         "code": diagnostic.code,
         "severity": diagnostic.severity,
-        "message": diagnostic.message,
+        "message": words.message,
         **_range(diagnostic.span),
-        "help": diagnostic.help,
-        "related": [{"message": label.message, **place(label.span)} for label in diagnostic.all_labels],
+        "help": words.help,
+        "related": [{"message": label.message, **place(label.span)} for label in words.labels],
         "edits": [{**_range(edit.span), "replacement": edit.replacement} for edit in diagnostic.edits],
     }

@@ -46,10 +46,11 @@ def _test(suite: ElementTree.Element, diagnostic: Diagnostic) -> None:
     span = diagnostic.span
     name = f"{diagnostic.code} at {span.line}:{span.column}"
     case = ElementTree.SubElement(suite, "testcase", name=name, classname=printable(span.file), time="0")
-    message = printable(diagnostic.message)
+    words = diagnostic.words
+    message = printable(words.message)
     text = f"{printable(span.file)}:{span.line}:{span.column}: {message}"
-    if diagnostic.help:
-        text += f"\nhelp: {printable(diagnostic.help)}"
+    if words.help:
+        text += f"\nhelp: {printable(words.help)}"
     if diagnostic.severity == "error":
         failure = ElementTree.SubElement(case, "failure", message=message, type=diagnostic.code)
         failure.text = text

@@ -42,18 +42,19 @@ def _rule(kind: type[Diagnostic]) -> dict[str, Any]:
 
 
 def _result(diagnostic: Diagnostic, rule_index: int) -> dict[str, Any]:
-    help_line = f"\n{diagnostic.help}" if diagnostic.help else ""
+    words = diagnostic.words
+    help_line = f"\n{words.help}" if words.help else ""
     result: dict[str, Any] = {
         "ruleId": diagnostic.code,
         "ruleIndex": rule_index,
         "level": diagnostic.severity,
-        "message": {"text": diagnostic.message + help_line},
+        "message": {"text": words.message + help_line},
         "locations": [_location(diagnostic.span)],
     }
-    if diagnostic.all_labels:
+    if words.labels:
         result["relatedLocations"] = [
             {"id": number, "message": {"text": label.message}, **_location(label.span)}
-            for number, label in enumerate(diagnostic.all_labels, start=1)
+            for number, label in enumerate(words.labels, start=1)
         ]
     if diagnostic.edits:
         result["fixes"] = [_fix(diagnostic)]
@@ -67,7 +68,7 @@ def _fix(diagnostic: Diagnostic) -> dict[str, Any]:
         replacement = {"deletedRegion": _region(edit.span), "insertedContent": {"text": edit.replacement}}
         changed.setdefault(_uri(edit.span), []).append(replacement)
     changes = [{"artifactLocation": {"uri": uri}, "replacements": parts} for uri, parts in changed.items()]
-    return {"description": {"text": diagnostic.help or diagnostic.title}, "artifactChanges": changes}
+    return {"description": {"text": diagnostic.words.help or diagnostic.title}, "artifactChanges": changes}
 
 
 def _location(span: Span) -> dict[str, Any]:

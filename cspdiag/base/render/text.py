@@ -36,10 +36,11 @@ class _Drawing:
 
     def __init__(self, diagnostic: Diagnostic, colour: bool) -> None:
         self._diagnostic = diagnostic
+        self._words = diagnostic.words
         self._colour = colour
         self._marks: dict[SourceFile, list[Mark]] = {}
-        self._mark(Mark(diagnostic.span, on_one_line(diagnostic.label), True))
-        for label in diagnostic.all_labels:
+        self._mark(Mark(diagnostic.span, on_one_line(self._words.label), True))
+        for label in self._words.labels:
             self._mark(Mark(label.span, on_one_line(label.message), False))
         highest = max(mark.lines[1] for marks in self._marks.values() for mark in marks)
         self._gutter = len(str(highest))
@@ -51,7 +52,7 @@ class _Drawing:
         """The diagnostic with its head, a snippet for each file it points into, and its help."""
         diagnostic = self._diagnostic
         head = self._style(f"{diagnostic.severity}[{diagnostic.code}]", diagnostic.severity, strong=True)
-        lines = [f"{head}{self._style(f': {on_one_line(diagnostic.message)}', strong=True)}"]
+        lines = [f"{head}{self._style(f': {on_one_line(self._words.message)}', strong=True)}"]
         arrow = "-->"
         for source, marks in self._marks.items():
             if arrow == ":::":
@@ -62,9 +63,9 @@ class _Drawing:
             lines.append(self._bar())
             lines += draw(source, marks, self._gutter, self._paint)
             arrow = ":::"
-        if diagnostic.help:
+        if self._words.help:
             lines.append(self._bar())
-            lines += self._help(diagnostic.help)
+            lines += self._help(self._words.help)
         return "\n".join(lines) + "\n"
 
     def _help(self, text: str) -> list[str]:

@@ -19,17 +19,17 @@ SOURCE = "cspdiag"
 def diagnostic(found: Diagnostic, positions: Positions, uri: Callable[[str], str]) -> types.Diagnostic:
     """A diagnostic as the editor shows it; ``uri`` gives the URI of a source file by name."""
     is_error = found.severity == "error"
-    help_ = found.help
+    words = found.words
     return types.Diagnostic(
         range=positions.range(found.span),
-        message=found.message if help_ is None else f"{found.message}\n{help_}",
+        message=words.message if words.help is None else f"{words.message}\n{words.help}",
         severity=types.DiagnosticSeverity.Error if is_error else types.DiagnosticSeverity.Warning,
         code=found.code,
         code_description=_manual_page(found.code),
         source=SOURCE,
         related_information=[
             types.DiagnosticRelatedInformation(_location(label.span, positions, uri), label.message)
-            for label in found.all_labels
+            for label in words.labels
         ],
     )
 

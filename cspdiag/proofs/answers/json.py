@@ -31,7 +31,7 @@ def _object(answer: Answer) -> dict[str, Any]:
         "asserted": question.asserted,
         "verdict": answer.outcome,
         "code": None if found is None else found.code,
-        "message": answer.reason if found is None else found.message,
+        "message": answer.reason if found is None else found.words.message,
         "method": answer.method,
         "states": answer.states,
         "seconds": round(answer.seconds, 6),

@@ -86,3 +86,13 @@ def test_single_precision_is_checked_where_it_is_asked_for(tmp_path: Path, cspdi
     assert result.code == 1
     assert "error[E0908]: 1e+100 is too large for single precision" in result.err
     assert "invalid choice: 'half'" in cspdiag("check", "--real", "half", program).err
+
+
+@pytest.mark.parametrize("format_", ["text", "concise", "json", "sarif", "github", "junit"])
+def test_names_that_are_too_long_to_read_are_shortened(cspdiag: Command, tmp_path: Path, format_: str) -> None:
+    path = tmp_path / "long.csp"
+    path.write_text(f"const {'n' * 5000} = 1\nconst {'n' * 5000} = {'m' * 5000}\n")
+    result = cspdiag("check", "--format", format_, path)
+    assert result.code == 1
+    assert f"`{'n' * 40}…{'n' * 39}`" in (result.out + result.err).replace("\\u2026", "…")
+    assert len(result.out + result.err) < 6000
