@@ -58,7 +58,6 @@ class Partners:
         while True:
             waiting_parents = {parent for parent, branches in parents.items() if not found.isdisjoint(branches)}
             live = [task for task in (*leaves, *parents) if task not in found and task not in waiting_parents]
-            uses |= {task: self._channels_of(task) for task in live if task not in uses}
             freed = {
                 task
                 for task in found
@@ -74,17 +73,20 @@ class Partners:
         return channels_used_by(task) if path_of(task) in self._by_hand else reachable_channels(task)
 
     def _can_be_reached(self, task: Task, wait: Wait, live: list[Task], uses: dict[Task, set[int]]) -> bool:
-        """Whether a task that continues may reach what a task waits for."""
+        """Whether a task that continues may reach what a task waits for; ``uses`` keeps what it takes long to find."""
         words, end = wait
         if end is None:
             return False
         others = (self._readers if words == "to write" else self._writers).get(end.name)
         identity = channel_identity(end)
-        return any(
-            identity in uses[other] and (others is None or _is_one_of(path_of(other), others))
-            for other in live
-            if other is not task
-        )
+        for other in live:
+            if other is task or (others is not None and not _is_one_of(path_of(other), others)):
+                continue
+            if other not in uses:
+                uses[other] = self._channels_of(other)
+            if identity in uses[other]:
+                return True
+        return False
 
     def _may_be_cancelled(self, task: Task, stuck: set[Task]) -> bool:
         """Whether a branch in parallel with a task, or with one around it, continues and may raise an exception."""

@@ -27,7 +27,7 @@ class TaskPlaces:
             return self._place(frames[-1]) if frames else None
         frame: FrameType | None = sys._getframe(1)
         while frame is not None and frame.f_code is not _OUTSIDE:
-            place = None if is_of_runtime(frame) else self._place(frame)
+            place = self._place(frame)
             if place is not None:
                 return place
             frame = frame.f_back
@@ -36,5 +36,5 @@ class TaskPlaces:
     def _place(self, frame: FrameType) -> str | None:
         key = frame.f_code, frame.f_lineno
         if key not in self._known:
-            self._known[key] = source_line(*key)
+            self._known[key] = None if is_of_runtime(frame) else source_line(*key)
         return self._known[key]
