@@ -72,7 +72,7 @@ def comparison(seed: int) -> str:
     return f"{answer.outcome}, {truth}"
 
 
-@pytest.mark.parametrize("first", range(0, 120, 30))
+@pytest.mark.parametrize("first", range(0, 60, 30))
 def test_answers_are_true(first: int) -> None:
     found = Counter(comparison(seed) for seed in range(first, first + 30))
     assert found["proved, refines"] >= 2, found
