@@ -10,7 +10,7 @@ VSCODE := editors/vscode
 .PHONY: help setup run test hunt check bench fmt docs pictures cases grammar vscode test-vscode pictures-vscode clean
 
 help: ## Show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 setup: $(VENV)/.stamp-dev third-party/VERSIONS ## Create .venv with cspdiag (editable) and the developer's tools
 

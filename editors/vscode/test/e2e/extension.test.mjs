@@ -39,7 +39,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP, "crossed.csp": CROSSED, "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const files = { "slip.csp": SLIP, "crossed.csp": CROSSED, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
   editor = await Editor.start({ files, folder: "my project #1" });
 });
@@ -57,6 +57,8 @@ step("a mistake is shown as a diagnostic", async () => {
 
 step("the diagram is beside the text, and lit where the cursor is", async () => {
   await editor.command("View: Toggle Problems");
+  // Without the list of files there is more room for the diagram.
+  await editor.page.keyboard.press("Control+b");
   await editor.open("jiwy.csp", 29, 6);
   await editor.page.keyboard.press("Control+Shift+v");
   await editor.diagram.locator("svg").waitFor();
@@ -150,9 +152,14 @@ step("a counterexample is stepped through in the diagram", async () => {
   await editor.diagram.locator("#steps").waitFor({ state: "hidden" });
 });
 
+step("a file of ten megabytes says that it is not checked", async () => {
+  await editor.open("large.csp");
+  await editor.page.locator(".squiggly-info, .squiggly-hint, .squiggly-warning, .squiggly-error").first().waitFor();
+});
+
 step("a file that is not UTF-8, and one that is deleted while it is open", async () => {
   await editor.open("latin.csp");
-  await editor.page.locator(".squiggly-error, .squiggly-warning, .view-line").first().waitFor();
+  await editor.page.locator(".view-line", { hasText: "caf" }).waitFor();
   unlinkSync(path.join(editor.folder, "latin.csp"));
   await editor.open("slip.csp", 2, 20);
   await editor.page.locator(".squiggly-error").first().waitFor();
