@@ -72,11 +72,11 @@ def is_in_repository(folder: str) -> bool:
     """Whether a folder is in the working tree of a git repository. Raises UsageError without git."""
     try:
         return git(folder, folder, "rev-parse", "--is-inside-work-tree") == b"true\n"
-    except NoRepositoryError:
+    except _NoRepositoryError:
         return False
 
 
-class NoRepositoryError(UsageError):
+class _NoRepositoryError(UsageError):
     """There is no git repository."""
 
 
@@ -95,6 +95,6 @@ def git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
     if done.returncode != 0:
         error = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
         if error.startswith("not a git repository"):
-            raise NoRepositoryError(f"{path} is not in a git repository: {_COMMIT_OR_NAME_TWO}")
+            raise _NoRepositoryError(f"{path} is not in a git repository: {_COMMIT_OR_NAME_TWO}")
         raise UsageError(f"git: {error or says}")
     return done.stdout
