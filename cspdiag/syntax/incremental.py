@@ -8,10 +8,8 @@ with mistakes are always read again: which mistakes are reported depends on thos
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from cspdiag.base import Diagnostic, Report, SourceFile
-from cspdiag.base.record import ATOMS, annotations_of
+from cspdiag.base.record import ATOMS, annotations_of, record
 from cspdiag.base.span import Span, move
 from cspdiag.syntax import ast
 from cspdiag.syntax.parse.lexer import Previous
@@ -19,7 +17,8 @@ from cspdiag.syntax.parse.tables import END
 from cspdiag.syntax.parser import Parser
 
 
-class Parsed(NamedTuple):
+@record
+class Parsed:
     """A text that was parsed: its tree, the mistakes in it, and the definitions that can be used again."""
 
     source: SourceFile
@@ -99,7 +98,8 @@ class _CountingReport(Report):
         super().add(diagnostic)
 
 
-class _Beginning(NamedTuple):
+@record
+class _Beginning:
     """The state at the beginning of a definition; the counts are those of the comments and mistakes before."""
 
     after: int
