@@ -147,6 +147,28 @@ class JointControl(Routine):
         feedback_4 = self.feedback_4
         homing_servo_sample = self.homing_servo_sample
         motionControl_choice_guards = motionControl_choice.selector
+        motionControl_servo_pid_tauD: float
+        motionControl_servo_pid_beta: float
+        motionControl_servo_pid_f: float
+        motionControl_servo_pid_kp: float
+        motionControl_servo_pid_tauI: float
+        motionControl_servo_sample_kp: float
+        motionControl_servo_tauD_kp: float
+        motionControl_servo_tauD_beta: float
+        motionControl_servo_gains_tolerance: float
+        motionControl_servo_gains_friction: float
+        motionControl_servo_gains: ServoGains | None = None
+        homing_servo_pid_tauD: float
+        homing_servo_pid_beta: float
+        homing_servo_pid_f: float
+        homing_servo_pid_kp: float
+        homing_servo_pid_tauI: float
+        homing_servo_sample_kp: float
+        homing_servo_tauD_kp: float
+        homing_servo_tauD_beta: float
+        homing_servo_gains_tolerance: float
+        homing_servo_gains_friction: float
+        homing_servo_gains: ServoGains | None = None
         alignL_velocity_moving: bool = False  # laws.csp:97
         alignL_velocity_last: float = 0.0  # laws.csp:98
         alignL_velocity_filtered: float = 0.0  # laws.csp:99
@@ -389,9 +411,13 @@ class JointControl(Routine):
             me.process = alignR_process
 
         def _run_servo(me: Task) -> Steps:
-            nonlocal homing_reference, homing_servo_arrived, homing_servo_pid_e1
+            nonlocal homing_reference, homing_servo_arrived, homing_servo_gains
+            nonlocal homing_servo_gains_friction, homing_servo_gains_tolerance
+            nonlocal homing_servo_pid_beta, homing_servo_pid_e1, homing_servo_pid_f
+            nonlocal homing_servo_pid_kp, homing_servo_pid_tauD, homing_servo_pid_tauI
             nonlocal homing_servo_pid_ud, homing_servo_pid_ui, homing_servo_profile_last
-            nonlocal homing_servo_profile_moving, homing_stop
+            nonlocal homing_servo_profile_moving, homing_servo_sample_kp, homing_servo_tauD_beta
+            nonlocal homing_servo_tauD_kp, homing_stop
             me.process = homing_servo_law
             while True:
                 try:
@@ -420,14 +446,21 @@ class JointControl(Routine):
                             observe(feedback_4.name, homing_servo_feedback, None, me)
                     else:
                         homing_servo_feedback = feedback_4.taken(me)
-                    homing_servo_pid_tauD = gains.value.tauD / 1_000_000_000  # laws.csp:6
-                    homing_servo_pid_beta = gains.value.beta  # laws.csp:6
-                    # laws.csp:14
-                    homing_servo_pid_f = 1.0 / (
-                        homing_servo_sample + homing_servo_pid_tauD * homing_servo_pid_beta
-                    )
-                    homing_servo_pid_kp = gains.value.kp  # laws.csp:6
-                    homing_servo_pid_tauI = gains.value.tauI / 1_000_000_000  # laws.csp:6
+                    if gains.value is not homing_servo_gains:
+                        homing_servo_pid_tauD = gains.value.tauD / 1_000_000_000  # laws.csp:6
+                        homing_servo_pid_beta = gains.value.beta  # laws.csp:6
+                        # laws.csp:14
+                        homing_servo_pid_f = 1.0 / (
+                            homing_servo_sample + homing_servo_pid_tauD * homing_servo_pid_beta
+                        )
+                        homing_servo_pid_kp = gains.value.kp  # laws.csp:6
+                        homing_servo_pid_tauI = gains.value.tauI / 1_000_000_000  # laws.csp:6
+                        homing_servo_sample_kp = homing_servo_sample * homing_servo_pid_kp
+                        homing_servo_tauD_kp = homing_servo_pid_tauD * homing_servo_pid_kp
+                        homing_servo_tauD_beta = homing_servo_pid_tauD * homing_servo_pid_beta
+                        homing_servo_gains_tolerance = gains.value.tolerance
+                        homing_servo_gains_friction = gains.value.friction
+                        homing_servo_gains = gains.value
                     # laws.csp:71
                     homing_servo_centre = (homing_servo_leftmax + homing_servo_rightmax) / 2.0
                     # laws.csp:72
@@ -462,11 +495,9 @@ class JointControl(Routine):
                     homing_servo_pid_error = homing_servo_profile_angle - homing_servo_feedback
                     # laws.csp:15
                     homing_servo_pid_d = homing_servo_pid_f * (
-                        homing_servo_pid_tauD * homing_servo_pid_beta * homing_servo_pid_ud
-                        + homing_servo_pid_tauD
-                        * homing_servo_pid_kp
-                        * (homing_servo_pid_error - homing_servo_pid_e1)
-                        + homing_servo_sample * homing_servo_pid_kp * homing_servo_pid_error
+                        homing_servo_tauD_beta * homing_servo_pid_ud
+                        + homing_servo_tauD_kp * (homing_servo_pid_error - homing_servo_pid_e1)
+                        + homing_servo_sample_kp * homing_servo_pid_error
                     )
                     if homing_servo_reference - homing_servo_reference != 0.0:
                         finite(homing_servo_reference)  # laws.csp:72
@@ -485,7 +516,7 @@ class JointControl(Routine):
                         else homing_servo_pid_sum
                     )
                     # laws.csp:77
-                    homing_servo_assistance = gains.value.friction * (
+                    homing_servo_assistance = homing_servo_gains_friction * (
                         -1.0
                         if (x1 := homing_servo_profile_velocity / 0.05) < -1.0
                         else 1.0
@@ -503,8 +534,9 @@ class JointControl(Routine):
                     # laws.csp:80
                     homing_servo_standing = (
                         homing_servo_arrived + homing_servo_sample
-                        if abs(homing_servo_reference - homing_servo_feedback)
-                        < gains.value.tolerance
+                        if (x1 := homing_servo_reference - homing_servo_feedback)
+                        < homing_servo_gains_tolerance
+                        and x1 > -homing_servo_gains_tolerance
                         else 0.0
                     )
                     homing_servo_stop = homing_servo_standing >= 0.1  # laws.csp:82
@@ -663,17 +695,31 @@ class JointControl(Routine):
                                         motionControl_servo_feedback,
                                         motionControl_servo_setpoint,
                                     ) = yield from read_all(feedback_3, joystick_axis)
-                                # laws.csp:6
-                                motionControl_servo_pid_tauD = gains.value.tauD / 1_000_000_000
-                                motionControl_servo_pid_beta = gains.value.beta  # laws.csp:6
-                                # laws.csp:14
-                                motionControl_servo_pid_f = 1.0 / (
-                                    motionControl_servo_sample
-                                    + motionControl_servo_pid_tauD * motionControl_servo_pid_beta
-                                )
-                                motionControl_servo_pid_kp = gains.value.kp  # laws.csp:6
-                                # laws.csp:6
-                                motionControl_servo_pid_tauI = gains.value.tauI / 1_000_000_000
+                                if gains.value is not motionControl_servo_gains:
+                                    # laws.csp:6
+                                    motionControl_servo_pid_tauD = gains.value.tauD / 1_000_000_000
+                                    motionControl_servo_pid_beta = gains.value.beta  # laws.csp:6
+                                    # laws.csp:14
+                                    motionControl_servo_pid_f = 1.0 / (
+                                        motionControl_servo_sample
+                                        + motionControl_servo_pid_tauD
+                                        * motionControl_servo_pid_beta
+                                    )
+                                    motionControl_servo_pid_kp = gains.value.kp  # laws.csp:6
+                                    # laws.csp:6
+                                    motionControl_servo_pid_tauI = gains.value.tauI / 1_000_000_000
+                                    motionControl_servo_sample_kp = (
+                                        motionControl_servo_sample * motionControl_servo_pid_kp
+                                    )
+                                    motionControl_servo_tauD_kp = (
+                                        motionControl_servo_pid_tauD * motionControl_servo_pid_kp
+                                    )
+                                    motionControl_servo_tauD_beta = (
+                                        motionControl_servo_pid_tauD * motionControl_servo_pid_beta
+                                    )
+                                    motionControl_servo_gains_tolerance = gains.value.tolerance
+                                    motionControl_servo_gains_friction = gains.value.friction
+                                    motionControl_servo_gains = gains.value
                                 # laws.csp:71
                                 motionControl_servo_centre = (
                                     motionControl_servo_leftmax + motionControl_servo_rightmax
@@ -723,15 +769,10 @@ class JointControl(Routine):
                                 )
                                 # laws.csp:15
                                 motionControl_servo_pid_d = motionControl_servo_pid_f * (
-                                    motionControl_servo_pid_tauD
-                                    * motionControl_servo_pid_beta
-                                    * motionControl_servo_pid_ud
-                                    + motionControl_servo_pid_tauD
-                                    * motionControl_servo_pid_kp
+                                    motionControl_servo_tauD_beta * motionControl_servo_pid_ud
+                                    + motionControl_servo_tauD_kp
                                     * (motionControl_servo_pid_error - motionControl_servo_pid_e1)
-                                    + motionControl_servo_sample
-                                    * motionControl_servo_pid_kp
-                                    * motionControl_servo_pid_error
+                                    + motionControl_servo_sample_kp * motionControl_servo_pid_error
                                 )
                                 if (
                                     motionControl_servo_reference - motionControl_servo_reference
@@ -758,12 +799,16 @@ class JointControl(Routine):
                                     else motionControl_servo_pid_sum
                                 )
                                 # laws.csp:77
-                                motionControl_servo_assistance = gains.value.friction * (
-                                    -1.0
-                                    if (x1 := motionControl_servo_profile_velocity / 0.05) < -1.0
-                                    else 1.0
-                                    if x1 > 1.0
-                                    else x1
+                                motionControl_servo_assistance = (
+                                    motionControl_servo_gains_friction
+                                    * (
+                                        -1.0
+                                        if (x1 := motionControl_servo_profile_velocity / 0.05)
+                                        < -1.0
+                                        else 1.0
+                                        if x1 > 1.0
+                                        else x1
+                                    )
                                 )
                                 # laws.csp:78
                                 motionControl_servo_control = (
@@ -780,10 +825,12 @@ class JointControl(Routine):
                                 # laws.csp:80
                                 motionControl_servo_standing = (
                                     motionControl_servo_arrived + motionControl_servo_sample
-                                    if abs(
-                                        motionControl_servo_reference - motionControl_servo_feedback
+                                    if (
+                                        x1 := motionControl_servo_reference
+                                        - motionControl_servo_feedback
                                     )
-                                    < gains.value.tolerance
+                                    < motionControl_servo_gains_tolerance
+                                    and x1 > -motionControl_servo_gains_tolerance
                                     else 0.0
                                 )
                                 # laws.csp:39
