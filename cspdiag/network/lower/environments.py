@@ -230,20 +230,16 @@ def _system(
     used = _assemble(program, draft, drawn, external_ports, report)
     if not draft.equations and not used:
         return None
-    ports = tuple(
-        Port(
-            name=port.name,
-            doc=port.doc,
-            span=port.span,
-            direction="in" if port.direction == "out" else "out",
-            type=port.type,
-        )
-        for port in external_ports
-        if port.name in used
-    )
+    ports = tuple(opposite_port(port) for port in external_ports if port.name in used)
     name = definition.name.text
     system = SubmodelClass(name=name, definition=name, doc=definition.doc, span=definition.name.span, ports=ports)
     return complete(system, draft, report)
+
+
+def opposite_port(port: ExternalPort) -> Port:
+    """The port of an environment's system that an external port of the program is connected to."""
+    direction: Literal["in", "out"] = "in" if port.direction == "out" else "out"
+    return Port(name=port.name, doc=port.doc, span=port.span, direction=direction, type=port.type)
 
 
 def _assemble(

@@ -27,9 +27,9 @@ from cspdiag.model.types import (
 )
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import LiteralValue
-from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort, Port, SubmodelClass
+from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort, SubmodelClass
 from cspdiag.network.lower.distinct_names import DistinctNames
-from cspdiag.network.lower.environments import grid_of
+from cspdiag.network.lower.environments import grid_of, opposite_port
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.simulate.record.stored.described import RecordedPort, head_of
 from cspdiag.simulate.record.stored.parameters import recorded_changes
@@ -103,16 +103,7 @@ def with_environment(network: CoreNetwork) -> CoreNetwork:
     own: dict[str, Any] = {"name": name, "doc": None, "span": top.span}
     system = SubmodelClass(
         definition=name,
-        ports=tuple(
-            Port(
-                name=port.name,
-                doc=port.doc,
-                span=port.span,
-                direction="in" if port.direction == "out" else "out",
-                type=port.type,
-            )
-            for port in network.external_ports
-        ),
+        ports=tuple(opposite_port(port) for port in network.external_ports),
         equations=tuple(
             SubmodelEquation(
                 name=port.name,
