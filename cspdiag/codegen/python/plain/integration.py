@@ -144,9 +144,10 @@ class Integration:
         return [state.type for state in self.class_.states if state.continuous]
 
     def _slopes(self, prefix: str) -> list[str]:
+        """A local variable for the slope of each state; signals may be called ``k1``, too."""
         if len(self.states) == 1:
-            return [prefix]
-        return [f"{prefix}_{state}" for state in self.states]
+            return [self.names.fresh(prefix)]
+        return [self.names.fresh(f"{prefix}_{state}") for state in self.states]
 
     def _evaluated(self, slopes: Sequence[str], at: Sequence[Code], time: Code) -> Statement:
         arguments = [*at, *(Name(self.names[name]) for name in self.held), *([time] if self.timed else [])]
