@@ -24,7 +24,7 @@ from cspdiag.codegen.c.text.statements import Statement
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.places_in_arrays import Arrays
 from cspdiag.model.types import IntType, Type
-from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
+from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ResetStates
 from cspdiag.network.ir.expressions import ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
     CreatedChoice,
@@ -131,10 +131,14 @@ class Members:
     # What is needed at run time
 
     def stored_parameters(self) -> list[str]:
-        """Parameters that step functions use."""
-        used = {part.name for part in self.inside.of(ParameterValue)} | {
-            part.name for part in self.inside.of(TunableValue)
-        }
+        """Parameters that step functions use: those in the composition, and in the initial values of states that it
+        resets.
+        """
+        reset = {name for step in self.inside.of(ResetStates) for name in step.states}
+        initial = PartsByType(tuple(state.initial for state in self.process.states if state.name in reset))
+        places = (self.inside, initial)
+        used = {part.name for place in places for part in place.of(ParameterValue)}
+        used |= {part.name for place in places for part in place.of(TunableValue)}
         return [name for name in self.parameters if name in used]
 
     def used_ports(self) -> list[tuple[Port, int | None]]:
