@@ -206,7 +206,11 @@ class Build:
             for position, chosen in enumerate(options):
                 try:
                     self._run(
-                        [*folders, *chosen, "-S", str(scratch / path), "-o", str(results / "made.s")], scratch, patience
+                        [*folders, *chosen, "-S", str(scratch / path), "-o", str(results / "made.s")],
+                        scratch,
+                        patience,
+                        # ccache answers without the files of the call graph.
+                        {**os.environ, "CCACHE_DISABLE": "1"},
                     )
                 except CompilationTimeoutError:
                     raise
@@ -224,13 +228,19 @@ class Build:
             made.write_text(text, encoding="utf-8")
             _keep(made, place)
 
-    def _run(self, arguments: list[str], scratch: Path | None, patience: int | None = None) -> None:
+    def _run(
+        self,
+        arguments: list[str],
+        scratch: Path | None,
+        patience: int | None = None,
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
         command = [*self.compiler.command, *self._flags, *arguments]
         # The limit is inherited by the processes that a compiler starts; a signal would only reach the compiler itself.
         limited = command if patience is None else ["sh", "-c", 'ulimit -t "$0"; exec "$@"', str(patience), *command]
         began = time.monotonic()
         try:
-            done = subprocess.run(limited, capture_output=True, text=True, check=False)
+            done = subprocess.run(limited, capture_output=True, text=True, check=False, env=environment)
         except OSError as problem:
             raise CompilerError(f"{command[0]} cannot be run: {problem.strerror}") from problem
         if done.returncode != 0:
