@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -117,7 +118,15 @@ def open_table(path: str, ports: Sequence[RecordedPort] | None = None) -> Stored
     last = 0
     for part in reader.rows():
         last = part[-1][0]
-    return StoredRecording(path, "table", head, reader.read, True, "", last, typed=False)
+    return StoredRecording(path, "table", head, reader.read, _is_whole(path), "", last, typed=False)
+
+
+def _is_whole(path: str) -> bool:
+    """Whether the last line of a table has its end; otherwise the process was killed while it wrote that line."""
+    with open(path, "rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(size - 1, 0))
+        return file.read() == b"\n"
 
 
 def _require_all_parameters(

@@ -51,12 +51,20 @@ def test_each_format_becomes_each_other(folder: Path, name: str, other: str, tmp
 
 
 def test_a_table_of_another_program_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "x.csv").write_text("time,a,b,c\n0.1,1,,low\n0.2,2,true,high\n0.3,3,false,low\n0.4,4,fal")
+    (tmp_path / "x.csv").write_text("time,a,b,c\n0.1,1,,low\n0.2,2,true,high\n0.3,3,false,low\n")
     assert main(["show", str(tmp_path / "x.csv"), "--plot", str(tmp_path / "x.svg")]) == 0
     rows = capsys.readouterr().out.splitlines()
     assert rows[1] == "  until 300 ms"
     assert rows[3].split()[:2] == ["a", "3"]
     assert (tmp_path / "x.svg").read_text().startswith("<?xml")
+
+
+def test_the_last_row_of_a_table_that_was_cut_is_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "x.csv").write_text("time,a,b\n0.1,1,2.5\n0.2,2,3.125\n0.3,3,3.1")
+    assert main(["show", str(tmp_path / "x.csv")]) == 1
+    rows = capsys.readouterr().out.splitlines()
+    assert "  not whole: the run was cut off; it has everything up to 200 ms" in rows
+    assert [row.split()[1] for row in rows if row.split()[:1] == ["a"]] == ["2"]
 
 
 def test_a_recording_that_was_cut_is_said_to_be(
