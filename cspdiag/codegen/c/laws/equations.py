@@ -8,13 +8,15 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.text.code import CSP, OR, SUM, Code, address, call, cast, code, infix, negated, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
-from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, return_if, run, store
+from cspdiag.codegen.c.text.names import Names
+from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, in_block, return_if, run, store
 from cspdiag.codegen.shared.equations import Equation
 from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import RealType, is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression, FunctionCall
+from cspdiag.network.ir.network import SubmodelState
 
 Check = Callable[[str], list[Statement]]
 """From the place of a statement to the statements that check for a fault after it."""
@@ -51,6 +53,17 @@ class EquationWriter:
         evaluation = self.printer.evaluate(value)
         fault_check = self.check(place or fallback_place) if evaluation.faults else []
         return [*evaluation.setup, set_to(target, evaluation.code, place), *fault_check]
+
+    def reset(self, target: Code, state: SubmodelState) -> list[Statement]:
+        """A state gets its initial value again; after a fault it keeps the present one."""
+        evaluation = self.printer.evaluate(state.initial)
+        if not evaluation.faults:
+            return [*evaluation.setup, store(target, evaluation.code)]
+        types = self.printer.types
+        initial = Names({*types.names.globals, "self", "csp", "party"}).fresh("initial")
+        made = define(f"const {types.type_name(state.type)}", initial, evaluation.code)
+        checked = self.check(self.place(state))
+        return in_block([*evaluation.setup, made, *checked, store(target, code(initial))])
 
     def equations(self, equations: Sequence[Equation], target: Callable[[str], Target]) -> list[Statement]:
         """All equations; ``target`` gives the left-hand side for a signal.

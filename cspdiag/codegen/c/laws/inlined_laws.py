@@ -64,14 +64,13 @@ def run_law(
     return _Run(action, class_, owner, printer, place, check, dict(types_of), local).result()
 
 
-def reset_states(states: tuple[str, ...], class_: ProcessClass, printer: Printer) -> list[Statement]:
+def reset_states(states: tuple[str, ...], class_: ProcessClass, writer: EquationWriter) -> list[Statement]:
     """The statements that reset states of a process."""
     by_name = {state.name: state for state in class_.states}
     statements: list[Statement] = []
     for name in states:
         if name in by_name:
-            value = printer.evaluate(by_name[name].initial)
-            statements += [*value.setup, store(printer.signal(name), value.code)]
+            statements += writer.reset(writer.printer.signal(name), by_name[name])
     return statements
 
 

@@ -216,11 +216,12 @@ class LawFiles:
 
     def _prototypes(self) -> list[str]:
         durations = any(isinstance(item.type, TimeType) for item in self.class_.parameters)
+        resets_fail = "reset" in law_verbs(self.class_)
         return [
             f"/* Before the first run{'; durations are in nanoseconds' if durations else ''}. */",
             *signature(f"void {self.name}_initialize", self._parameters(), ";"),
-            "/* Puts the states back to their initial values. */",
-            f"void {self.name}_reset({', '.join(self._given('reset'))});",
+            f"/* Puts the states back to their initial values{'; false after a fault' if resets_fail else ''}. */",
+            f"{'bool' if resets_fail else 'void'} {self.name}_reset({', '.join(self._given('reset'))});",
             "/* One run, from inputs to outputs and next states"
             + ("; false after a fault. */" if self.can_fault else ". */"),
             f"{'bool' if self.can_fault else 'void'} {self.name}_calculate({', '.join(self._given('calculate'))});",
@@ -298,7 +299,8 @@ class LawFiles:
             statements += setup
             body = address(own(self.members[called.name]))
             statements.append(run(call(f"{body_name(called)}_initialize", body, *arguments)))
-        statements.append(run(call(f"{self.name}_reset", *kernel_of(law_verbs(class_), "reset"), "self")))
+        reset = call(f"{self.name}_reset", *kernel_of(law_verbs(class_), "reset"), "self")
+        statements.append(run(ignored(reset) if "reset" in law_verbs(class_) else reset))
         return [Function(f"void {self.name}_initialize", tuple(self._parameters()), tuple(statements))]
 
     def _is_passed_on(self, name: str) -> bool:
@@ -309,10 +311,11 @@ class LawFiles:
         printer = self._printer(())
         statements: list[Statement] = []
         for state in self.class_.states:
-            value = printer.evaluate(state.initial)
-            statements += [*value.setup, store(own(self.members[state.name]), value.code)]
+            statements += self._writer(printer).reset(own(self.members[state.name]), state)
         for called in self._calls:
             statements.append(run(call(f"{body_name(called)}_reset", address(own(self.members[called.name])))))
+        if "reset" in law_verbs(self.class_):
+            return [self._function("bool", "reset", [*statements, return_value("true")])]
         return [self._function("void", "reset", statements or [run("(void)self")])]
 
     def _function(self, return_type: str, verb: str, body: list[Statement]) -> Function:

@@ -46,6 +46,7 @@ from cspdiag.codegen.shared.equations import (
 from cspdiag.model.types import TimeType
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
+from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelClass
 
 INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_h", "_derivative", "_derivatives"})
@@ -192,7 +193,12 @@ class _SubmodelWriter:
     def _reset_statements(self) -> list[Statement]:
         printer = self._printer()
         statements: list[Statement] = [
-            assign(own(self.names[state.name]), printer.print(state.initial)) for state in self.class_.states
+            assign(
+                own(self.names[state.name]),
+                printer.print(state.initial),
+                self._place(state) if may_fault(state.initial) else None,
+            )
+            for state in self.class_.states
         ]
         statements += [
             run(own(self.names[item.name]).call("reset"))

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import Check, end_if_faulted
+from cspdiag.codegen.c.laws.equations import Check, EquationWriter, end_if_faulted
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
-from cspdiag.codegen.c.laws.laws import kernel_of, law_may_fault, law_members, law_verbs
+from cspdiag.codegen.c.laws.laws import body_name, kernel_of, law_may_fault, law_members, law_verbs
 from cspdiag.codegen.c.process.routines import Waiting
 from cspdiag.codegen.c.process.steps.plain_steps import (
     READS,
@@ -131,7 +131,10 @@ def reset(writer: Writer, step: ir.ResetInstance) -> list[Statement]:
     assert isinstance(class_, SubmodelClass)
     kernel = kernel_of(law_verbs(class_), "reset")
     member = address(own(writer.members.member(step.instance)))
-    return [writer.remark(step), run(call(f"{writer.names.classes[class_.name]}_reset", *kernel, member))]
+    called = call(f"{writer.names.classes[class_.name]}_reset", *kernel, member)
+    if not kernel:
+        return [writer.remark(step), run(called)]
+    return [writer.remark(step), run(ignored(called)), writer.raise_noted_fault(writer.where(step))]
 
 
 # ---- Control laws that were inlined
@@ -211,7 +214,15 @@ def _law_statements(writer: Writer, step: ir.RunLaw, check: Check, local: Mappin
 
 def reset_law_states(writer: Writer, step: ir.ResetStates) -> list[Statement]:
     """Resets states of the class."""
-    return [writer.remark(step), *reset_states(step.states, writer.members.process, writer.printer)]
+
+    def place(item: Declared) -> str:
+        return writer.names.place(item.span.file, item.span.line)
+
+    def fault_check(where: str) -> list[Statement]:
+        return [writer.raise_noted_fault(where)]
+
+    equations = EquationWriter(writer.printer, place, fault_check, own, body_name)
+    return [writer.remark(step), *reset_states(step.states, writer.members.process, equations)]
 
 
 # ---- Concurrent communications
