@@ -37,6 +37,14 @@ def ran(body: Callable[[], object], *, real_time: bool = True) -> Outcome:
     return Network(Body(top)).run(real_time=real_time)
 
 
+@pytest.fixture(autouse=True)
+def nothing_frozen() -> Iterator[None]:
+    """A run leaves objects frozen that were so before; those of the tests are."""
+    gc.unfreeze()
+    yield
+    gc.freeze()
+
+
 def permitted() -> bool:
     before = os.sched_getscheduler(0)
     try:

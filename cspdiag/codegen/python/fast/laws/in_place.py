@@ -111,12 +111,12 @@ class InlineLaw:
         return following_apart(self.law, frozenset(item.name for item in self.class_.constants))
 
     @cached_property
-    def _present(self) -> list[Code]:
+    def _present(self) -> list[Name]:
         """Of each parameter that the law uses the value from which the rest was computed, as a local variable."""
         return [Name(self.names.fresh(f"{self.law.law}_{item.name}")) for item in self._following.parameters]
 
     @cached_property
-    def _terms(self) -> dict[str, Code]:
+    def _terms(self) -> dict[str, Name]:
         """The local variable of each term; for one that is a parameter, the variable with its value."""
         following = self._following
         present = dict(zip(following.parameters, self._present, strict=True))
@@ -140,13 +140,15 @@ class InlineLaw:
         """The further local variables that keep their values from one run to the next."""
         following = self._following
         for item in following.equations:
-            yield self.printer.signal(item.name).flat, item.type
+            signal = self.printer.signal(item.name)
+            assert isinstance(signal, Name)  # A local variable.
+            yield signal.text, item.type
         for term in self._computed_terms:
-            yield self._terms[term.name].flat, term.type
+            yield self._terms[term.name].text, term.type
 
     def present(self) -> Iterator[str]:
         """The local variables that tell whether a parameter has changed."""
-        return (name.flat for name in self._present)
+        return (name.text for name in self._present)
 
     def _followed(self) -> Iterator[Statement]:
         """Compute what follows parameters of the program again, if one of them has changed."""
