@@ -110,6 +110,7 @@ $(VSCODE)/node_modules/.stamp: $(VSCODE)/package-lock.json
 # Its own scripts would also fetch from GitHub, as root only if forced, what the test does without: Kerberos, full-text search.
 CODE_SERVER := $(VSCODE)/test/e2e/node_modules/code-server/lib/vscode
 $(VSCODE)/test/e2e/node_modules/.stamp: $(VSCODE)/test/e2e/package-lock.json
+	@case "$(CURDIR)" in *" "*) echo "node-gyp, which builds parts of code-server, cannot do so in a folder with spaces: $(CURDIR)"; exit 1;; esac
 	cd $(VSCODE)/test/e2e && npm ci --ignore-scripts --no-audit --no-fund && npm_config_build_from_source=true npm rebuild argon2
 	cd $(CODE_SERVER) && npm install --ignore-scripts --omit=dev --no-audit --no-fund && npm_config_yes=true npm rebuild node-pty @vscode/spdlog native-watchdog
 	@touch $@
