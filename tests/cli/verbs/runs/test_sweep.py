@@ -41,7 +41,7 @@ def test_the_table_is_on_standard_output_and_the_summary_on_standard_error(cspdi
 def test_programs_that_have_to_be_built_are_announced(cspdiag: Command, heater: Path) -> None:
     result = cspdiag("sweep", heater, "--for", "1s", "--set", "T=0.2s,0.4s", "--set", "gain=1,2")
     assert result.code == 0
-    assert "2 programs are built, one for each value of `T`: a `parameter` would need one only" in result.err
+    assert "2 programs are built, one for each value of `T`: what can be a `parameter` needs one only" in result.err
 
 
 @pytest.mark.parametrize(
