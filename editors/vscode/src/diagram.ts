@@ -8,6 +8,7 @@ import { definitionAt, partsAt } from "./places";
 import type { Server } from "./server";
 
 export const VIEW = "cspdiag.diagram";
+const BLANK = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1"/>';
 /** Milliseconds without a change until a picture is drawn. */
 const QUIET = 150;
 const FORMATS = { SVG: ["svg"], PNG: ["png"], PDF: ["pdf"] };
@@ -177,6 +178,7 @@ export class DiagramView implements vscode.Disposable {
   private show(document: vscode.TextDocument): void {
     if (document !== this.document) {
       this.document = document;
+      this.picture = undefined; // The page keeps it until there is an answer.
       this.process = undefined;
       this.steps = [];
       this.showStep();
@@ -245,6 +247,9 @@ export class DiagramView implements vscode.Disposable {
   }
 
   private status(text: string, stale = text !== ""): void {
+    if (this.picture === undefined) {
+      this.post({ type: "picture", svg: BLANK, name: "", processes: [], parts: {} });
+    }
     this.post({ type: "status", text, stale: stale && this.picture !== undefined });
   }
 

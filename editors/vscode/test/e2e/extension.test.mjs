@@ -6,6 +6,7 @@ import { after, before, test } from "node:test";
 import { Editor } from "./editor.mjs";
 
 const MODELS = path.join(import.meta.dirname, "../../../../models");
+const HALF = "process Good {\n  composition { skip }\n}\n\nprocess Bad {\n  composition { skip ; ) }\n}\n";
 const SLIP = "const period = 1 ms\nconst slow = 10 * peroid\n";
 
 const CROSSED = `process Left { out a : int in b : int communication { var x : int } composition { a ! 1 ; b ? x } }
@@ -39,7 +40,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP, "crossed.csp": CROSSED, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const files = { "slip.csp": SLIP, "half.csp": HALF, "crossed.csp": CROSSED, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
   editor = await Editor.start({ files, folder: "my project #1" });
 });
@@ -106,6 +107,13 @@ step("while the text has mistakes in its syntax the last diagram stays", async (
   await editor.diagram.locator(".stale #Align-velocity").waitFor();
   await editor.page.keyboard.press("Control+z");
   await editor.diagram.locator("#status").waitFor({ state: "hidden" });
+});
+
+step("a file with mistakes has a diagram of its own, not that of the file before", async () => {
+  await editor.open("half.csp", 1, 10);
+  await editor.diagram.locator("svg", { hasText: "process Good" }).waitFor();
+  await editor.open("jiwy.csp", 29, 6);
+  await editor.diagram.locator("#Align-velocity.lit").waitFor();
 });
 
 step("a mistake is marked in the diagram as one types", async () => {
