@@ -308,10 +308,10 @@ class LawFiles:
         return bool(parameters(tuple(call.arguments for call in self._calls))[name])
 
     def _reset(self) -> list[Statement]:
-        printer = self._printer(())
+        writer = self._writer(self._printer(()))
         statements: list[Statement] = []
         for state in self.class_.states:
-            statements += self._writer(printer).reset(own(self.members[state.name]), state)
+            statements += writer.reset(own(self.members[state.name]), state)
         for called in self._calls:
             statements.append(run(call(f"{body_name(called)}_reset", address(own(self.members[called.name])))))
         if "reset" in law_verbs(self.class_):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cspdiag.base.record import record
@@ -192,9 +192,6 @@ def _law_statements(writer: Writer, step: ir.RunLaw, check: Check, local: Mappin
     """``local`` are the names of the signals that are local variables."""
     members = writer.members
 
-    def place(item: Declared) -> str:
-        return writer.names.place(item.span.file, item.span.line)
-
     def signal(name: str) -> Code:
         return code(local[name]) if name in local else members.signal(name)
 
@@ -203,7 +200,7 @@ def _law_statements(writer: Writer, step: ir.RunLaw, check: Check, local: Mappin
         members.process,
         owner=writer.struct,
         printer=replace(writer.printer, signal=signal),
-        place=place,
+        place=_place_by(writer),
         check=check,
         types_of=members.signal_types,
         local=local,
@@ -212,16 +209,18 @@ def _law_statements(writer: Writer, step: ir.RunLaw, check: Check, local: Mappin
     return [*law.statements, *(run(ignored(code(name))) for signal, name in local.items() if signal in law.unread)]
 
 
+def _place_by(writer: Writer) -> Callable[[Declared], str]:
+    """The place of a declaration in the source text."""
+    return lambda item: writer.names.place(item.span.file, item.span.line)
+
+
 def reset_law_states(writer: Writer, step: ir.ResetStates) -> list[Statement]:
     """Resets states of the class."""
-
-    def place(item: Declared) -> str:
-        return writer.names.place(item.span.file, item.span.line)
 
     def fault_check(where: str) -> list[Statement]:
         return [writer.raise_noted_fault(where)]
 
-    equations = EquationWriter(writer.printer, place, fault_check, own, body_name)
+    equations = EquationWriter(writer.printer, _place_by(writer), fault_check, own, body_name)
     return [writer.remark(step), *reset_states(step.states, writer.members.process, equations)]
 
 
