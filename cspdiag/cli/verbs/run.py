@@ -11,7 +11,8 @@ from cspdiag.cli.support.files.written import file_path, require_different, requ
 from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.runs.given_inputs import given_inputs, limited
 from cspdiag.cli.support.runs.recorded import opened_recording, recording_path, require_recording, socket_place
-from cspdiag.cli.support.runs.simulated import Given, simulate
+from cspdiag.cli.support.runs.requested import Given
+from cspdiag.cli.support.runs.simulated import simulate
 from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:

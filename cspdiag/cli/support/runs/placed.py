@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import re
 from argparse import Namespace
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.support.failure import NoResultError, UsageError
 from cspdiag.cli.support.terminal import say
 
 if TYPE_CHECKING:
-    from cspdiag.cli.support.runs.standstill import ObservedProgram
-    from cspdiag.network.ir.network import CoreNetwork
-    from cspdiag.runtime.kernel.parameters import Change
-    from cspdiag.simulate.hosts.part import Seat
-    from cspdiag.simulate.record.recorder import Recorder
-    from cspdiag.simulate.record.streamed.recording import Recording
-    from cspdiag.simulate.result import Run
+    from cspdiag.cli.support.runs.requested import RequestedRun
+    from cspdiag.runtime.network import Network
+    from cspdiag.simulate.hosts.part import Part, Seat
+    from cspdiag.simulate.run.package import LoadedPackage
 
 _SEAT = re.compile(r"(?P<place>[^@]+)@(?P<host>\[[0-9a-fA-F:]+\]|[^@:]+):(?P<port>[0-9]+)")
 
@@ -46,33 +44,42 @@ def refuse_unsupported(arguments: Namespace) -> None:
             raise UsageError(f"{option} is not for --place: {why}")
 
 
-def simulate_in_place(
-    arguments: Namespace,
-    network: CoreNetwork,
-    files: Mapping[str, str],
-    until: int | None,
-    recorder: Recorder,
-    changes: Sequence[Change],
-    recording: Recording | None,
-    on_start: Callable[[ObservedProgram], None],
-) -> Run:
-    """Run a place, in the same way as a whole program."""
-    from cspdiag.cli.support.runs.standstill import ProgramInThread
+@contextmanager
+def placed(run: RequestedRun, files: Mapping[str, str]) -> Iterator[Callable[[Network, LoadedPackage], Network] | None]:
+    """What makes the network of the place that ``--place`` names out of that of the whole program; None without it."""
+    from cspdiag.simulate.hosts.links import PlaceError
+
+    if run.arguments.place is None:
+        yield None
+        return
+    part = _part(run, files)
+    try:
+        yield part.network
+    except PlaceError as problem:
+        raise NoResultError(str(problem)) from None
+    finally:
+        part.close()
+
+
+def _part(run: RequestedRun, files: Mapping[str, str]) -> Part:
+    """Connected with the other places. Raises UsageError."""
     from cspdiag.simulate.hosts.links import PlaceError
     from cspdiag.simulate.hosts.network import ZenohTransport
     from cspdiag.simulate.hosts.part import GATHERING, Part, fingerprint
-    from cspdiag.simulate.run.execute import chosen_environment, simulate
+    from cspdiag.simulate.run.execute import chosen_environment
 
+    arguments, network = run.arguments, run.network
     environment = chosen_environment(network, arguments.environment)
     if environment is None:
         raise UsageError("--place: the program has no environment, so it has no places")
     seat = seat_of(arguments.place)
+    changes = [(change.time, change.parameter, change.path, change.value) for change in run.given.changes]
     program = {
         "program": fingerprint(files),
         "environment": environment.name,
         "clock": "real time" if arguments.real_time else "virtual time",
         "time limit": str(arguments.until),
-        "list of changes": repr([(change.time, change.parameter, change.path, change.value) for change in changes]),
+        "list of changes": repr(changes),
     }
 
     def transport(listens: bool) -> ZenohTransport:
@@ -80,23 +87,6 @@ def simulate_in_place(
         return ZenohTransport(seat.address, room, listens=listens, patience=GATHERING)
 
     try:
-        part = Part(network, environment, seat, program, transport, lambda text: say(f"cspdiag: {text}"))
+        return Part(network, environment, seat, program, transport, lambda text: say(f"cspdiag: {text}"))
     except PlaceError as problem:
         raise UsageError(f"--place {arguments.place}: {problem}") from None
-    try:
-        return simulate(
-            network,
-            files,
-            environment=arguments.environment,
-            until=until,
-            real_time=arguments.real_time,
-            recorder=recorder,
-            on_start=lambda running: on_start(ProgramInThread(running)),
-            changes=changes,
-            recording=recording,
-            part=part.network,
-        )
-    except PlaceError as problem:
-        raise NoResultError(str(problem)) from None
-    finally:
-        part.close()
