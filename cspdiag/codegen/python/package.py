@@ -19,11 +19,11 @@ from cspdiag.codegen.python.plain.definitions import (
     parameters_module,
     struct_views,
 )
-from cspdiag.codegen.python.plain.environments import EnvironmentModule, environment_module
 from cspdiag.codegen.python.plain.external import ExternalModules, device_modules
+from cspdiag.codegen.python.plain.laws.environments import EnvironmentModule, environment_module
+from cspdiag.codegen.python.plain.laws.submodels import submodel_module
 from cspdiag.codegen.python.plain.network import network_view
 from cspdiag.codegen.python.plain.processes import process_module
-from cspdiag.codegen.python.plain.submodels import submodel_module
 from cspdiag.codegen.python.project import project_view
 from cspdiag.codegen.python.text.imports import import_lines
 from cspdiag.codegen.python.text.names import PackageNames

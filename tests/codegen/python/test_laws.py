@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from cspdiag.codegen.python.plain.submodels import signal_names
+from cspdiag.codegen.python.plain.laws.submodels import signal_names
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
 from cspdiag.network.ir.equations import ExternalCall

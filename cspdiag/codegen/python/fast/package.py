@@ -9,8 +9,8 @@ from cspdiag.codegen.python import package as plain
 from cspdiag.codegen.python.fast.laws.environments import environment_module
 from cspdiag.codegen.python.fast.processes import process_module
 from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.plain.laws.submodels import submodel_module
 from cspdiag.codegen.python.plain.network import network_view
-from cspdiag.codegen.python.plain.submodels import submodel_module
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.shared.render import renderer
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass

@@ -10,8 +10,8 @@ from typing import assert_never
 
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules, converting
+from cspdiag.codegen.python.plain.laws.submodels import signal_names
 from cspdiag.codegen.python.plain.members import Members
-from cspdiag.codegen.python.plain.submodels import signal_names
 from cspdiag.codegen.python.text.code import Argument, Call, Code, Element, Formatted, Name, WholeNumber, call
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import MEMBERS, PROCESS_MEMBERS, Names

@@ -12,11 +12,11 @@ from cspdiag.codegen.python.fast.expressions import NANOSECONDS, SCALAR, FastPri
 from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, is_test, refused_unless_all_finite, refused_unless_finite
 from cspdiag.codegen.python.fast.temporaries import Temporaries
-from cspdiag.codegen.python.plain.environments import ADVANCE, MEMBERS, EnvironmentModule, EnvironmentWriter
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
-from cspdiag.codegen.python.plain.integration import Integration, begin_of_step
-from cspdiag.codegen.python.plain.linear import STEP, LinearStep, MatrixEntry
+from cspdiag.codegen.python.plain.laws.environments import ADVANCE, MEMBERS, EnvironmentModule, EnvironmentWriter
+from cspdiag.codegen.python.plain.laws.integration import Integration, begin_of_step
+from cspdiag.codegen.python.plain.laws.linear import STEP, LinearStep, MatrixEntry
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
     PRODUCT,

@@ -10,9 +10,10 @@ from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.docs import sentence
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules, external_call
-from cspdiag.codegen.python.plain.integration import Integration
-from cspdiag.codegen.python.plain.linear import STEP, LinearStep, MatrixEntry, linear_steps
-from cspdiag.codegen.python.plain.submodels import INTEGRATION
+from cspdiag.codegen.python.plain.laws.connections import Connections
+from cspdiag.codegen.python.plain.laws.integration import Integration
+from cspdiag.codegen.python.plain.laws.linear import STEP, LinearStep, MatrixEntry, linear_steps
+from cspdiag.codegen.python.plain.laws.submodels import INTEGRATION
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
     OR,
@@ -20,23 +21,19 @@ from cspdiag.codegen.python.text.code import (
     SUM,
     Code,
     Constant,
-    Entry,
-    Items,
     Name,
     WholeNumber,
     call,
     counted_to,
     infix,
     own,
-    tuple_of,
-    typed,
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.names import Names, PackageNames
 from cspdiag.codegen.python.text.splitting import methods
-from cspdiag.codegen.python.text.statements import Assign, For, Function, Statement, assign, if_, lines, run
-from cspdiag.codegen.python.text.types import annotation, duration, literal
+from cspdiag.codegen.python.text.statements import For, Function, Statement, assign, if_, lines, run
+from cspdiag.codegen.python.text.types import annotation, duration
 from cspdiag.codegen.shared.equations import (
     Equation,
     changes,
@@ -53,12 +50,9 @@ from cspdiag.codegen.shared.equations import (
     values,
 )
 from cspdiag.codegen.shared.names import words
-from cspdiag.devices.catalogue import DEVICES
-from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.network import CoreNetwork, DriverInstance, Environment, Network, SubmodelClass, SubmodelState
-from cspdiag.network.ir.zero import zero
+from cspdiag.network.ir.network import CoreNetwork, Environment, Network, SubmodelClass, SubmodelState
 from cspdiag.optimize import lower_for_targets
 
 ELAPSED = infix("-", SUM, Name("now"), own("now"))
@@ -197,50 +191,17 @@ class EnvironmentWriter:
             class_ = self.imports.parameters()
             arguments.append(f"parameters: {class_} | None = None")
             statements.append(assign(own("parameters"), infix("or", OR, Name("parameters"), call(class_))))
-        entries: list[Code] = []
-        devices = {
-            external: (device, port) for device in self.environment.drivers for port, external in device.connections
-        }
-        for device in self.environment.drivers:
-            given = dict(self._ports_of(device))
-            given |= {name: literal(value, _type_of(value), self.imports) for name, value in device.arguments}
-            made = self.modules.construct(device.external, given, self.imports)
-            statements.append(assign(own(self.names[device.name]), made))
-        for port in self.network.external_ports:
-            key = port.key
-            if key in devices:
-                device, device_port = devices[key]
-                driver: Code = call(
-                    self.imports.runtime("DevicePort"),
-                    own(self.names[device.name]),
-                    Constant(quoted(device_port)),
-                )
-            else:
-                type_ = annotation(port.type, self.imports)
-                initial = literal(zero(port.type), port.type, self.imports)
-                driver = own(self.names[key])
-                statements.append(assign(driver, typed(self.imports.runtime("Signal"), type_).called(initial)))
-            entries.append(Entry(quoted(key), driver))
+        connections = Connections(self.environment, self.network, self.names, self.modules, self.imports)
+        statements += connections.devices()
+        statements += connections.signals()
+        printer = self._printer(())
         for item in self._calls():
-            printer = self._printer(())
             given = {name: printer.print(value) for name, value in item.arguments}
             outputs = [port for port, _, _ in item.outputs]
             made = self.modules.construct(item.external, given, self.imports, outputs)
             statements.append(assign(own(self.names[item.name]), made))
-        mapping, driver_type = self.imports.standard("collections.abc", "Mapping"), self.imports.runtime("Driver")
-        type_ = f"{mapping}[str, {driver_type}]"
-        statements.append(Assign(own("drivers"), Items("{}", tuple(entries)), annotation=type_))
+        statements.append(connections.drivers())
         return Function("__init__", tuple(arguments), tuple(statements))
-
-    def _ports_of(self, driver: DriverInstance) -> Iterable[tuple[str, Code]]:
-        """The arguments with the ports of a device that has those which its driver declares, and what they are for."""
-        if driver.external.language != "device" or DEVICES[driver.external.target].outputs is not None:
-            return
-        sampled = {port.key: port.sampling is not None for port in self.network.external_ports}
-        uses = {own: "sampled" if sampled[key] else "event" for own, key in driver.connections if key in sampled}
-        entries = (Entry(quoted(name), Constant(quoted(uses.get(name, "unused")))) for name in driver.outputs)
-        yield "outputs", Items("{}", tuple(entries))
-        yield "inputs", tuple_of(Constant(quoted(name)) for name in driver.inputs)
 
     def _start(self) -> Function:
         statements: list[Statement] = [*self._at_time_0()]
@@ -445,15 +406,3 @@ class EnvironmentWriter:
 
 def _entry_of(matrix: str) -> MatrixEntry:
     return lambda row, column: Name(matrix).at(row).at(column)
-
-
-def _type_of(value: object) -> Type:
-    match value:
-        case bool():
-            return BOOL
-        case int():
-            return INT
-        case float():
-            return DOUBLE
-        case _:  # Settings have these types; the rest are texts.
-            return TEXT

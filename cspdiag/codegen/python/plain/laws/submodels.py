@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules, external_call
-from cspdiag.codegen.python.plain.integration import Integration
+from cspdiag.codegen.python.plain.laws.integration import Integration
 from cspdiag.codegen.python.text.code import (
     PRODUCT,
     Argument,
