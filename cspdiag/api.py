@@ -84,11 +84,12 @@ def parse(text: str, name: str, *, real: Real = "double") -> LoadedProgram:
 
 
 class LoadedProgram:
-    """The text of a program; everything about it is computed on demand."""
+    """The text of a program; everything about it is computed on demand. ``read`` reads the files that it names."""
 
-    def __init__(self, source: SourceFile, real: Real = "double") -> None:
+    def __init__(self, source: SourceFile, real: Real = "double", read: pipeline.Reader = read_source) -> None:
         self.source = source
         self._real: Real = real
+        self._read = read
 
     def __repr__(self) -> str:
         return f"LoadedProgram({self.source.name!r})"
@@ -108,13 +109,13 @@ class LoadedProgram:
 
     @cached_property
     def _findings(self) -> pipeline.Checked:
-        return pipeline.check(self.source, read_source, for_findings=True, real=self._real)
+        return pipeline.check(self.source, self._read, for_findings=True, real=self._real)
 
     @cached_property
     def _checked(self) -> pipeline.Checked:
         found = self._findings
         is_whole = found.analysis is not None or bool(found.report.diagnostics)
-        return found if is_whole else pipeline.check(self.source, read_source, real=self._real)
+        return found if is_whole else pipeline.check(self.source, self._read, real=self._real)
 
     def check(self) -> list[Diagnostic]:
         """All errors and warnings, by file and place; empty if there are none."""
@@ -145,7 +146,7 @@ class LoadedProgram:
         require_names(top=top, environment=environment)
         built = pipeline.build(
             self.source,
-            read_source,
+            self._read,
             top=top,
             environment=environment,
             settings=settings_of(set),
@@ -191,7 +192,7 @@ class LoadedProgram:
         require_one_of("framework", framework, ("", *FRAMEWORKS) if target == "c" else ("",))
         _require_level(level)
         with file_errors():
-            files = pipeline.generate(self.network, read_source, target, level, framework=framework)
+            files = pipeline.generate(self.network, self._read, target, level, framework=framework)
         if target == "python":
             require_valid(files)
         return files
@@ -327,12 +328,12 @@ class LoadedProgram:
         with file_errors():
             if target == "c":
                 return native.simulate(
-                    network, read_source, level=level, environment=environment, until=limit, real_time=real_time,
+                    network, self._read, level=level, environment=environment, until=limit, real_time=real_time,
                     changes=changes, live=live is not None, on_start=on_start,
                 )  # fmt: skip
 
             def in_python() -> Run:
-                files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
+                files = pipeline.generate(network, self._read, level=level, traced=True, observed=True)
                 return execute.simulate(
                     network, files, environment=environment, until=limit, real_time=real_time, changes=changes,
                     on_start=on_start,
@@ -345,7 +346,7 @@ class LoadedProgram:
                 return found.run(until=limit, changes=changes, live=live is not None, on_start=on_start)
 
             native_program = native_if_possible(
-                network, read_source, level=level, environment=environment, real_time=real_time
+                network, self._read, level=level, environment=environment, real_time=real_time
             )
             return run_either(native_program, natively, in_python)
 
@@ -418,12 +419,12 @@ class LoadedProgram:
         )
         with file_errors():
             try:
-                plan = plan_sweep(request, read_source)
+                plan = plan_sweep(request, self._read)
             except InvalidProgramError as problem:
                 raise ProgramError(list(problem.diagnostics)) from None
             if plan.never_ends:
                 raise ArgumentError("the program never ends by itself: say with `until` when each run ends")
-            jobs = Jobs(plan, read_source, target)
+            jobs = Jobs(plan, self._read, target)
             runs = range(len(plan.grid))
             count = min(workers or processors(), len(runs))
             with source_of_runs(dask, count) as source, closing(make_runs(plan, runs, jobs, source)) as found:
@@ -450,11 +451,11 @@ class LoadedProgram:
         require_names(process=process)
         settings = settings_of(set)
         obligations = pipeline.proof_obligations(
-            self.source, read_source, process=process, settings=settings, real=self._real
+            self.source, self._read, process=process, settings=settings, real=self._real
         )
         if obligations.checked.report.has_errors:
             raise ProgramError(obligations.checked.report.diagnostics)
-        verifier = Verifier(obligations, read_source, settings=settings)
+        verifier = Verifier(obligations, self._read, settings=settings)
         return [verifier.answer(question, Limits(seconds)) for question in obligations.questions]
 
 

@@ -123,7 +123,7 @@ def devices(**_: object) -> list[str]:
 
 def examples(**_: object) -> list[str]:
     """The names of the examples."""
-    from cspdiag.cli.support.files.examples import summaries
+    from cspdiag.base.files.examples import summaries
 
     return list(summaries())
 

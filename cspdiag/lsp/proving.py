@@ -11,11 +11,10 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
-from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.parent import end_with
-from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile
+from cspdiag.editing.proved import Proved
 
 TIME_LIMIT = 60.0
 """Seconds for each assertion, as for ``cspdiag verify``."""
@@ -26,17 +25,6 @@ _PROGRAM = (
     "import json, sys; request = json.load(sys.stdin); sys.path[:] = request['path']; "
     "from cspdiag.lsp.proving import answer; answer(request)"
 )
-
-
-@record
-class Proved:
-    """The answer about one assertion, which begins at ``start``; ``found`` says how it fails, if it does."""
-
-    start: int
-    title: str
-    found: Diagnostic | None
-    steps: tuple[dict[str, Any], ...] = ()
-    """How it comes to that, for diagrams."""
 
 
 class ProvingError(CspdiagError):
@@ -84,7 +72,7 @@ def answer(request: Mapping[str, object]) -> None:
 
 
 def _answers(request: Mapping[str, object]) -> list[Proved] | str:
-    from cspdiag.lsp.pictures.steps import steps_shown
+    from cspdiag.editing.steps import steps_shown
     from cspdiag.pipeline import proof_obligations
     from cspdiag.proofs.answers.answer import Answer
     from cspdiag.proofs.answers.findings import diagnostic_of

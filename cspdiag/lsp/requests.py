@@ -10,6 +10,7 @@ from lsprotocol import types
 from pygls.capabilities import ServerCapabilitiesBuilder
 from pygls.exceptions import JsonRpcInvalidParams
 
+from cspdiag.editing.positions import Encoding
 from cspdiag.lsp import proving
 from cspdiag.lsp.features import (
     actions,
@@ -27,7 +28,6 @@ from cspdiag.lsp.features import (
 )
 from cspdiag.lsp.garbage import Garbage
 from cspdiag.lsp.pictures.process import DrawingError
-from cspdiag.lsp.positions import Encoding
 from cspdiag.lsp.server import CspdiagServer
 
 server = CspdiagServer()

@@ -14,12 +14,12 @@ from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
 from cspdiag import __version__
+from cspdiag.editing.view import View
 from cspdiag.lsp.documents import MAX_CHARACTERS, Document, name_of
 from cspdiag.lsp.features import diagnostics
 from cspdiag.lsp.garbage import Garbage
 from cspdiag.lsp.pictures.process import Drawer
 from cspdiag.lsp.session import Session
-from cspdiag.lsp.view import View
 
 _SOON = 0.002
 """Seconds after a change until the program is checked, so that changes that were sent together are one."""

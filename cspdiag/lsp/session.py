@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
+from cspdiag.editing.view import View
 from cspdiag.lsp.documents import Document, Documents, identity
 from cspdiag.lsp.folders import importers
 from cspdiag.lsp.positions import Positions
-from cspdiag.lsp.view import View
 from cspdiag.model.remembered import RememberedChecks
 from cspdiag.pipeline import Reader
 from cspdiag.syntax import ast

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from cspdiag.base.span import SourceFile
+from cspdiag.editing.text_at import tokens
 from cspdiag.lsp.documents import Document
 from cspdiag.lsp.features import (
     actions,
@@ -23,7 +24,6 @@ from cspdiag.lsp.features import (
     signature,
 )
 from cspdiag.lsp.session import Session
-from cspdiag.lsp.text_at import tokens
 
 
 def ask(session: Session, document: Document, offset: int) -> dict[str, object]:

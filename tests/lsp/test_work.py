@@ -5,9 +5,9 @@ from __future__ import annotations
 import gc
 from pathlib import Path
 
+from cspdiag.editing.view import View
 from cspdiag.lsp.documents import Document
 from cspdiag.lsp.session import Session
-from cspdiag.lsp.view import View
 from tests.lsp.everything import ask
 
 LAWS = "const gain = 2\n"

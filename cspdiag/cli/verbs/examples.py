@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from argparse import ArgumentParser, Namespace
 
+from cspdiag.base.files.examples import main_program, summaries
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE
-from cspdiag.cli.support.files.examples import files_of, main_program, summaries
+from cspdiag.cli.support.files.examples import files_of
 from cspdiag.cli.support.files.output import write_new_folders
 from cspdiag.cli.support.terminal import say, write_out
 

@@ -8,10 +8,11 @@ import re
 import sys
 from argparse import ArgumentParser, Namespace
 
+from cspdiag.base.files.examples import main_program
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE, UsageError
-from cspdiag.cli.support.files.examples import files_of, main_program
+from cspdiag.cli.support.files.examples import files_of
 from cspdiag.cli.support.files.output import write_new_folder
 from cspdiag.cli.support.terminal import say
 

@@ -106,7 +106,7 @@ def _marks(
         found = [
             note
             for channel, notes_on in channels.items()
-            if declaring[channel] in (arrow.key, None) and _carries(arrow, names[channel])
+            if declaring[channel] in (arrow.key, None) and may_carry(arrow, names[channel])
             for note in notes_on
         ]
         if found:
@@ -139,7 +139,7 @@ def _declaring(diagram: CommunicationDiagram, place: Span | None) -> str | None:
     return None
 
 
-def _carries(arrow: Arrow, channel: str) -> bool:
+def may_carry(arrow: Arrow, channel: str) -> bool:
     """Whether a channel may be that of an arrow: by its label, or by an end whose indexes do not contradict."""
     return any(_may_be(str(name), channel) for name in (arrow.label, *arrow.sources, *arrow.sinks) if name is not None)
 

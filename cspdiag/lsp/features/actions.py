@@ -7,11 +7,12 @@ from collections.abc import Iterable
 from lsprotocol import types
 
 from cspdiag.base.diagnostic import Diagnostic, Edit
+from cspdiag.editing.fixes import title_of
+from cspdiag.editing.view import View
 from cspdiag.fix import fix
 from cspdiag.lsp.documents import Documents, identity, is_bundled
 from cspdiag.lsp.features.diagnostics import diagnostic
 from cspdiag.lsp.features.formatting import edits_between
-from cspdiag.lsp.view import View
 
 FIX_ALL = f"{types.CodeActionKind.SourceFixAll.value}.cspdiag"
 
@@ -47,27 +48,12 @@ def _changes_bundled(found: Diagnostic) -> bool:
 def _quick_fix(found: Diagnostic, documents: Documents) -> types.CodeAction:
     positions = documents.positions
     return types.CodeAction(
-        _title(found),
+        title_of(found),
         types.CodeActionKind.QuickFix,
         diagnostics=[diagnostic(found, positions, documents.uri)],
         is_preferred=True,
         edit=workspace_edit(found.edits, documents),
     )
-
-
-def _title(found: Diagnostic) -> str:
-    if len(found.edits) > 1:
-        return f"Fix: {found.message}"
-    (edit,) = found.edits
-    before, after = _shown(edit.span.text), _shown(edit.replacement)
-    if not before:
-        return f"Insert {after}"
-    return f"Replace {before} by {after}" if after else f"Remove {before}"
-
-
-def _shown(text: str) -> str:
-    words = " ".join(text.split())
-    return f"`{words if len(words) <= 40 else f'{words[:39]}…'}`" if words else ""
 
 
 def workspace_edit(edits: Iterable[Edit], documents: Documents) -> types.WorkspaceEdit:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from lsprotocol import types
 
 from cspdiag.base.span import SourceFile
-from cspdiag.lsp import text_at
+from cspdiag.editing import text_at
 
 _COMMENT = types.FoldingRangeKind.Comment
 _IMPORTS = types.FoldingRangeKind.Imports

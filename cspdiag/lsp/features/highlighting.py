@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from lsprotocol import types
 
 from cspdiag.base.span import SourceFile, Span
-from cspdiag.lsp import text_at
-from cspdiag.lsp.occurrences import Meaning
+from cspdiag.editing import text_at
+from cspdiag.editing.occurrences import Meaning
+from cspdiag.editing.view import View
 from cspdiag.lsp.positions import Positions
-from cspdiag.lsp.view import View
 from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol
 from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, TYPE_NAMES
 from cspdiag.syntax import ast

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from lsprotocol import types
 
+from cspdiag.editing.view import View
 from cspdiag.lsp.positions import Positions
-from cspdiag.lsp.view import View
 from cspdiag.model.constants.durations import duration
 from cspdiag.syntax import ast
 from cspdiag.syntax.walk import declarations

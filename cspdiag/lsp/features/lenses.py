@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from lsprotocol import types
 
+from cspdiag.editing.view import View
 from cspdiag.lsp.positions import Positions
-from cspdiag.lsp.view import View
 from cspdiag.syntax import ast
 
 VERIFY = "cspdiag.verify"

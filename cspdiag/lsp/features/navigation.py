@@ -6,12 +6,11 @@ from collections.abc import Iterable, Iterator
 
 from lsprotocol import types
 
+from cspdiag.editing.definition import definition as declaration_of
+from cspdiag.editing.occurrences import Meaning, Occurrence, name_place
+from cspdiag.editing.view import View
 from cspdiag.lsp.documents import Documents, identity
-from cspdiag.lsp.occurrences import Meaning, Occurrence, name_place
 from cspdiag.lsp.positions import Positions
-from cspdiag.lsp.view import View
-from cspdiag.model.names.imports import file_name
-from cspdiag.syntax import ast
 
 Key = tuple[str, int]
 """A declaration: the identity of its file and the offset of its name. It is the same in all programs."""
@@ -25,23 +24,8 @@ def key(meaning: Meaning) -> Key | None:
 
 def definition(view: View, offset: int, documents: Documents) -> types.Location | None:
     """Where the name at an offset is declared, or the file that is imported there."""
-    occurrence = view.here.at(offset)
-    if occurrence is None:
-        return _imported(view, offset, documents)
-    place = name_place(occurrence.meaning)
-    if place is None or not place.file.endswith(".csp"):
-        return None
-    return types.Location(documents.uri(place.file), documents.positions.range(place))
-
-
-def _imported(view: View, offset: int, documents: Documents) -> types.Location | None:
-    for item in view.tree.items:
-        if isinstance(item, ast.Import) and item.span.start <= offset <= item.span.end:
-            name = file_name(view.main.name, item)
-            if name in view.sources:
-                start = types.Position(0, 0)
-                return types.Location(documents.uri(name), types.Range(start, start))
-    return None
+    place = declaration_of(view, offset)
+    return None if place is None else types.Location(documents.uri(place.file), documents.positions.range(place))
 
 
 def uses(views: Iterable[View], declaration: Key) -> Iterator[Occurrence]:

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from lsprotocol import types
 
 from cspdiag.base.span import SourceFile, Span
-from cspdiag.lsp import text_at
+from cspdiag.editing import text_at
+from cspdiag.editing.view import View
 from cspdiag.lsp.positions import Positions
-from cspdiag.lsp.view import View
 from cspdiag.syntax import ast
 from cspdiag.syntax.walk import declarations
 

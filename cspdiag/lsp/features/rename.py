@@ -13,11 +13,11 @@ from cspdiag.base.edits import applied
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import replaced
 from cspdiag.base.span import SourceFile
+from cspdiag.editing.occurrences import Occurrence, name_place
+from cspdiag.editing.view import View
 from cspdiag.lsp.documents import Documents, identity, is_bundled
 from cspdiag.lsp.features.actions import workspace_edit
 from cspdiag.lsp.features.navigation import Key, key, uses
-from cspdiag.lsp.occurrences import Occurrence, name_place
-from cspdiag.lsp.view import View
 from cspdiag.model.diagnostics.names import DuplicateName
 from cspdiag.syntax.parse.automaton import automaton
 from cspdiag.syntax.parse.lexer import CONTEXTUAL_KEYWORDS

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from lsprotocol import types
 
-from cspdiag.lsp import descriptions, text_at
-from cspdiag.lsp.view import View
+from cspdiag.editing import descriptions, text_at
+from cspdiag.editing.view import View
 from cspdiag.model.expressions.functions import FUNCTIONS
 from cspdiag.syntax import ast
 

@@ -18,7 +18,8 @@ from cspdiag.draw.layout import engine
 from cspdiag.draw.output.svg import embedded_svg, identifiers
 from cspdiag.draw.pictures import PictureOptions, Pictures, Which
 from cspdiag.draw.scene.shapes import Scene
-from cspdiag.lsp.positions import Encoding, Positions
+from cspdiag.editing.positions import Encoding
+from cspdiag.lsp.positions import Positions
 from cspdiag.pipeline import Checked, check
 
 

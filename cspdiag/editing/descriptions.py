@@ -6,7 +6,7 @@ from typing import assert_never
 
 from cspdiag.base.record import record
 from cspdiag.draw.elements.facts import Facts
-from cspdiag.lsp.occurrences import Meaning, Owner
+from cspdiag.editing.occurrences import Meaning, Owner
 from cspdiag.model.constants.durations import duration
 from cspdiag.model.expressions.functions import FUNCTIONS
 from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Program

@@ -9,8 +9,8 @@ from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.draw.elements.facts import Facts
-from cspdiag.lsp.occurrences import Occurrences
-from cspdiag.lsp.proving import Proved
+from cspdiag.editing.occurrences import Occurrences
+from cspdiag.editing.proved import Proved
 from cspdiag.model.names.described import with_described_ports
 from cspdiag.model.names.imports import load
 from cspdiag.model.names.resolve import resolve

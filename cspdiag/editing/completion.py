@@ -1,0 +1,323 @@
+"""Completion: the words of the language that can follow, and the names that mean something there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Literal, TypeAlias
+
+from cspdiag.base.files.resources import library_names
+from cspdiag.base.record import record
+from cspdiag.base.span import SourceFile, Span
+from cspdiag.editing import descriptions, text_at
+from cspdiag.editing.view import View
+from cspdiag.model.expressions.functions import FUNCTIONS
+from cspdiag.model.program import EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
+from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, CONVERSIONS, TYPE_NAMES
+from cspdiag.model.types import StructType
+from cspdiag.model.units import unit_names
+from cspdiag.syntax import ast
+from cspdiag.syntax.continuations import continuations
+
+Kind: TypeAlias = Literal[
+    "class",
+    "constant",
+    "enum",
+    "enum member",
+    "event",
+    "field",
+    "function",
+    "interface",
+    "keyword",
+    "module",
+    "property",
+    "struct",
+    "type parameter",
+    "unit",
+    "variable",
+]
+
+
+@record
+class Completion:
+    """What can be written: ``insert`` is the text to insert if that is not the label, ``documentation`` Markdown."""
+
+    label: str
+    kind: Kind
+    detail: str | None = None
+    insert: str | None = None
+    documentation: str | None = None
+
+
+_DEFINITION_KINDS: dict[type, Kind] = {
+    ast.Constant: "constant",
+    ast.TypeAliasDefinition: "class",
+    ast.EnumDefinition: "enum",
+    ast.StructDefinition: "struct",
+    ast.ExceptionDefinition: "event",
+    ast.ProcessDefinition: "class",
+    ast.SubmodelDefinition: "function",
+    ast.DriverDefinition: "interface",
+    ast.EnvironmentDefinition: "module",
+}
+_LOCAL_KINDS: dict[type, Kind] = {
+    PortSymbol: "property",
+    ast.Instance: "field",
+    ast.Parameter: "type parameter",
+    EnumLiteralSymbol: "enum member",
+}
+_RECOVERED_KINDS: dict[str, Kind] = {
+    "in": "property",
+    "out": "property",
+    "instance": "field",
+    "parameter": "type parameter",
+}
+
+_LOCAL_RULES = frozenset(["action", "event", "reference", "references", "endpoint", "equation", "channel_reference"])
+"""Rules that begin with a name declared in the same definition."""
+_CARRIES_VALUES = (PortSymbol, ast.Variable, ast.Channel, EndLabelSymbol, ast.Parameter, ast.Let, ast.State)
+
+
+@record
+class _Place:
+    """Where completion is requested: in a definition, after some tokens."""
+
+    source: SourceFile
+    offset: int
+    word: Span
+    definition: text_at.Outlined | None
+    before: tuple[text_at.Token, ...]
+
+    def previous(self, count: int) -> str:
+        """The text of a token before the word, counted backwards from 1."""
+        return self.before[-count].text if len(self.before) >= count else ""
+
+
+def completion(view: View, offset: int) -> list[Completion]:
+    """What can be written at an offset, the most probable first."""
+    source = view.tree.source
+    word = text_at.word_at(source, offset)
+    word = Span(source, word.start, offset)
+    definition = text_at.definition_at(source, offset)
+    start = definition.start if definition is not None else 0
+    before = text_at.tokens(source, start, word.start)
+    if before and before[-1].kind in ("comment", "text") and _is_open(before[-1], offset, source):
+        return []
+    found = _Completion(view, _Place(source, offset, word, definition, tuple(_significant(before)))).run(start)
+    unique: dict[str, Completion] = {}
+    for item in found:
+        unique.setdefault(item.label, item)
+    return list(unique.values())
+
+
+def _significant(found: Iterable[text_at.Token]) -> Iterator[text_at.Token]:
+    return (token for token in found if token.kind != "comment")
+
+
+def _is_open(token: text_at.Token, offset: int, source: SourceFile) -> bool:
+    """Whether an offset is inside a comment or a text."""
+    if offset > token.end:
+        return False
+    if token.text.startswith("//"):
+        return "\n" not in source.text[token.start : offset]
+    closing = "*/" if token.text.startswith("/*") else '"'
+    return offset < token.end or len(token.text) < 2 or not token.text.endswith(closing)
+
+
+class _Completion:
+    def __init__(self, view: View, place: _Place) -> None:
+        self._view = view
+        self._program = view.program
+        self._place = place
+
+    def run(self, start: int) -> Iterator[Completion]:
+        """What can be written, the most probable first."""
+        place = self._place
+        if place.previous(1) == "." and len(place.before) > 1 and place.before[-2].kind != "number":
+            yield from self._members()
+            return
+        if place.previous(1) == "<" and place.previous(2) in ("double", "float"):
+            yield from (_item(name, "unit") for name in unit_names())
+            return
+        beginning = SourceFile(name=place.source.name, text=place.source.text[start : place.word.start])
+        allowed = continuations(beginning)
+        if allowed.accepts_name:
+            yield from self._names(allowed.rules)
+        for keyword in allowed.keywords:
+            yield _item(keyword, "keyword")
+
+    # Names
+
+    def _names(self, rules: frozenset[str]) -> Iterator[Completion]:
+        if "argument" in rules:
+            yield from self._arguments()
+        if "type_name" in rules:
+            yield from self._types()
+        if "expression" in rules or "atom" in rules:
+            yield from self._values()
+        if not rules.isdisjoint(_LOCAL_RULES):
+            yield from self._locals()
+        if not rules:
+            yield from self._after_keyword()
+
+    def _after_keyword(self) -> Iterator[Completion]:
+        """Names of definitions where the grammar only knows that there is a name."""
+        match self._place.previous(1):
+            case ":":
+                yield from self._definitions(self._instantiable())
+            case "for" if self._place.previous(3) == "environment":
+                yield from self._definitions((ast.ProcessDefinition,))
+            case "assert" | "refines":
+                yield from self._definitions((ast.ProcessDefinition,))
+            case "raise" | "catch":
+                yield from self._definitions((ast.ExceptionDefinition,))
+                yield from (_described(name, "event", descriptions.builtin(name)) for name in BUILTIN_EXCEPTIONS)
+            case "next" | "der":
+                yield from self._locals((ast.State,))
+            case "import":
+                yield from (_item(name, "module") for name in library_names())
+            case _:  # A new name, or one that no list has.
+                pass
+
+    def _instantiable(self) -> tuple[type, ...]:
+        keyword = self._place.definition.keyword if self._place.definition is not None else ""
+        if keyword == "environment":
+            return ast.SubmodelDefinition, ast.DriverDefinition
+        return (ast.SubmodelDefinition,) if keyword == "submodel" else (ast.ProcessDefinition, ast.SubmodelDefinition)
+
+    def _definitions(self, kinds: tuple[type, ...]) -> Iterator[Completion]:
+        seen = set()
+        for name, definition in self._program.definitions.items():
+            if isinstance(definition, kinds):
+                seen.add(name)
+                yield self._symbol(name, definition)
+        # Those that could not be read.
+        keywords = {
+            "process": ast.ProcessDefinition,
+            "submodel": ast.SubmodelDefinition,
+            "driver": ast.DriverDefinition,
+        }
+        for outlined in text_at.definitions(self._place.source):
+            kind = keywords.get(outlined.keyword)
+            if outlined.name and kind in kinds and kind is not None and outlined.name not in seen:
+                yield _item(outlined.name, _DEFINITION_KINDS[kind])
+
+    def _types(self) -> Iterator[Completion]:
+        yield from (_item(name, "class") for name in TYPE_NAMES)
+        yield from self._definitions((ast.TypeAliasDefinition, ast.EnumDefinition, ast.StructDefinition))
+
+    def _values(self) -> Iterator[Completion]:
+        yield from self._locals(None if self._is_submodel() else _CARRIES_VALUES)
+        yield from self._definitions((ast.Constant, ast.EnumDefinition, ast.StructDefinition))
+        for name in (*FUNCTIONS, *CONVERSIONS):
+            yield _described(name, "function", descriptions.builtin(name))
+        for name in ("pi", "sample", "time") if self._is_submodel() else ("pi",):
+            yield _described(name, "constant", descriptions.builtin(name))
+
+    def _is_submodel(self) -> bool:
+        return self._place.definition is not None and self._place.definition.keyword == "submodel"
+
+    def _locals(self, kinds: tuple[type, ...] | None = None) -> Iterator[Completion]:
+        """The names that are declared in the definition around the place."""
+        definition = self._place.definition
+        if definition is None:
+            return
+        read = self._program.definitions.get(definition.name)
+        scope = self._program.scopes.get(read) if read is not None else None
+        if scope is not None and read is not None and read.name.span.start == definition.name_start:
+            for name, symbol in scope.names.items():
+                if kinds is None or isinstance(symbol, kinds):
+                    yield self._symbol(name, symbol, read)
+        for declared in text_at.declared_in(self._place.source, definition):
+            is_instance = declared.kind == "instance"
+            if declared.start != self._place.word.start and (kinds is None or not is_instance):
+                kind = _RECOVERED_KINDS.get(declared.kind, "variable")
+                yield _item(declared.name, kind, detail=text_at.written(declared))
+
+    def _arguments(self) -> Iterator[Completion]:
+        """The names of parameters of what is instantiated or called."""
+        called = text_at.called(self._place.before)
+        definition = self._program.definitions.get(called.name) if called is not None else None
+        parts: tuple[ast.Parameter, ...] | tuple[ast.Field, ...] = ()
+        if isinstance(definition, ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition):
+            parts = definition.parameters
+        elif isinstance(definition, ast.StructDefinition):
+            parts = definition.fields
+        for part in parts:
+            if called is not None and part.name.text not in called.named:
+                shown = descriptions.described(self._program, None, part, None)
+                yield _described(part.name.text, "property", shown, insert=f"{part.name.text} = ")
+
+    # Members
+
+    def _members(self) -> Iterator[Completion]:
+        """What can follow a point: ports of an instance, literals of an enum, fields of a struct."""
+        path = text_at.path_before(self._place.before)
+        if not path:
+            return
+        first, *rest = path
+        definition = self._program.definitions.get(first)
+        if isinstance(definition, ast.EnumDefinition) and not rest:
+            for index, literal in enumerate(definition.literals):
+                yield self._symbol(literal.text, EnumLiteralSymbol(definition=definition, index=index))
+            return
+        if first == "import" or (self._place.before and self._place.before[0].text == "import"):
+            prefix = ".".join(path) + "."
+            names = (name for name in library_names() if name.startswith(prefix))
+            yield from (_item(name.removeprefix(prefix), "module") for name in names)
+            return
+        if not rest:
+            yield from self._ports_of(first)
+        yield from self._fields_of(path)
+
+    def _ports_of(self, instance: str) -> Iterator[Completion]:
+        name = self._definition_of(instance)
+        definition = self._program.definitions.get(name or "")
+        scope = self._program.scopes.get(definition) if definition is not None else None
+        if scope is not None and not isinstance(definition, ast.EnvironmentDefinition):
+            for port, symbol in scope.ports.items():
+                yield self._symbol(port, symbol)
+        for outlined in text_at.definitions(self._place.source):
+            if name is not None and outlined.name == name:
+                for declared in text_at.declared_in(self._place.source, outlined):
+                    if declared.kind in ("in", "out"):
+                        yield _item(declared.name, "property", detail=text_at.written(declared))
+
+    def _definition_of(self, instance: str) -> str | None:
+        """The name of what an instance of the definition around the place is an instance of."""
+        if self._place.definition is None:
+            return None
+        symbol = self._symbol_named(instance)
+        if isinstance(symbol, ast.Instance):
+            return symbol.definition.text
+        declared = text_at.declared_in(self._place.source, self._place.definition)
+        return next((each.type for each in declared if each.name == instance and each.kind == "instance"), None)
+
+    def _symbol_named(self, name: str) -> Symbol | None:
+        definition = self._place.definition
+        read = self._program.definitions.get(definition.name) if definition is not None else None
+        scope = self._program.scopes.get(read) if read is not None else None
+        return scope.names.get(name) if scope is not None else None
+
+    def _fields_of(self, path: list[str]) -> Iterator[Completion]:
+        symbol = self._symbol_named(path[0]) or self._program.definitions.get(path[0])
+        kind = symbol.type if isinstance(symbol, PortSymbol | EndLabelSymbol) else None
+        if isinstance(symbol, ast.Node):
+            kind = self._program.types.get(symbol)
+        for name in path[1:]:
+            kind = kind.field(name) if isinstance(kind, StructType) else None
+        struct = self._program.definitions.get(kind.name) if isinstance(kind, StructType) else None
+        for field in struct.fields if isinstance(struct, ast.StructDefinition) else ():
+            shown = descriptions.described(self._program, None, field, None)
+            yield _described(field.name.text, "field", shown)
+
+    def _symbol(self, name: str, symbol: Symbol, owner: ast.Definition | None = None) -> Completion:
+        kind = _DEFINITION_KINDS.get(type(symbol)) or _LOCAL_KINDS.get(type(symbol), "variable")
+        return _described(name, kind, descriptions.described(self._program, None, symbol, None))
+
+
+def _item(name: str, kind: Kind, *, detail: str | None = None) -> Completion:
+    return Completion(name, kind, detail)
+
+
+def _described(name: str, kind: Kind, shown: descriptions.Description, insert: str | None = None) -> Completion:
+    return Completion(name, kind, shown.code.split("\n")[0].removesuffix(" {"), insert, shown.doc or None)

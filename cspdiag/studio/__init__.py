@@ -1,0 +1,1 @@
+"""The studio: a page on which a program is written, drawn, proved and run."""

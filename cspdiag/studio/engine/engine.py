@@ -1,0 +1,160 @@
+"""The engine: requests in, answers and notifications out, as plain data (docs/design/studio.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any, TypeAlias
+
+from cspdiag.base.errors import CspdiagError
+from cspdiag.studio.engine.data import Data
+from cspdiag.studio.engine.failure import RequestError
+from cspdiag.studio.engine.programs import Programs, files_of
+
+Notify: TypeAlias = Callable[[Data], object]
+"""Takes what the engine tells without being asked: ``{"method": ..., "params": ...}``."""
+Answer: TypeAlias = Callable[[Data], Any]
+
+
+class Engine:
+    """Answers the requests of one page. ``kind`` is ``browser`` or ``machine``; ``program`` is what the page opens
+    with, if there is something.
+    """
+
+    def __init__(self, notify: Notify, kind: str = "machine", program: Data | None = None) -> None:
+        self._notify = notify
+        self._kind = kind
+        self._program = program
+        self._programs = Programs()
+        self._answers: dict[str, Answer] = {
+            "hello": self._hello,
+            "check": self._check,
+            "complete": self._complete,
+            "hover": self._hover,
+            "definition": self._definition,
+            "format": self._format,
+            "explain": self._explain,
+            "draw": self._draw,
+            "verify": self._verify,
+            "timing": self._timing,
+            "compile": self._compile,
+            "run": self._run,
+        }
+
+    def request(self, message: Data) -> Data:
+        """The answer to a request: ``{"id": ..., "result": ...}``, or ``{"id": ..., "error": ...}``. Never raises."""
+        number = message.get("id") if isinstance(message, dict) else None
+        try:
+            return {"id": number, "result": self._result(message)}
+        except RequestError as problem:
+            return _refusal(number, str(problem), problem.help)
+        except CspdiagError as problem:
+            return _refusal(number, str(problem), None)
+        except OSError as problem:
+            reason = problem.strerror or str(problem)
+            return _refusal(number, f"{problem.filename}: {reason}" if problem.filename else reason, None)
+        except (RecursionError, MemoryError):
+            return _refusal(number, "the program is too large or too deeply nested for this engine", None)
+        except Exception as problem:  # A mistake in cspdiag must not end the page's engine.
+            return _refusal(
+                number,
+                f"cspdiag failed: {type(problem).__name__}: {problem}",
+                "this is a mistake in cspdiag: please report it together with the program",
+            )
+
+    def _result(self, message: Data) -> Any:
+        if not isinstance(message, dict):
+            raise RequestError("a request is an object with id, method and params")
+        params = message.get("params") or {}
+        answer = self._answers.get(str(message.get("method")))
+        if answer is None:
+            known = ", ".join(self._answers)
+            raise RequestError(f"there is no request {message.get('method')!r}; there are: {known}")
+        if not isinstance(params, dict):
+            raise RequestError("`params` is an object")
+        return answer(params)
+
+    def _hello(self, params: Data) -> Data:
+        from cspdiag import __version__
+        from cspdiag.codegen import TARGETS
+        from cspdiag.studio.engine.models import models
+
+        found: Data = {
+            "engine": self._kind,
+            "version": __version__,
+            "able": {
+                "numpy": find_spec("numpy") is not None,
+                "native": False,
+                "devices": self._kind == "machine",
+                "real_time": self._kind == "machine",
+                "save": False,
+            },
+            "targets": list(TARGETS),
+            "models": models(),
+        }
+        return found if self._program is None else {**found, "program": self._program}
+
+    def _check(self, params: Data) -> Data:
+        from cspdiag.studio.engine.checking import check
+
+        return check(self._programs.view(files_of(params)))
+
+    def _complete(self, params: Data) -> list[Data]:
+        from cspdiag.studio.engine.editing import complete
+
+        return complete(*self._programs.at(params))
+
+    def _hover(self, params: Data) -> Data | None:
+        from cspdiag.studio.engine.editing import hover
+
+        return hover(*self._programs.at(params))
+
+    def _definition(self, params: Data) -> list[Data]:
+        from cspdiag.studio.engine.editing import definition
+
+        return definition(*self._programs.at(params))
+
+    def _format(self, params: Data) -> Data:
+        from cspdiag.studio.engine.editing import formatted
+
+        text = params.get("text")
+        if not isinstance(text, str):
+            raise RequestError("`text` is the text to format")
+        return formatted(text)
+
+    def _explain(self, params: Data) -> Data:
+        from cspdiag.studio.engine.models import manual_page
+
+        return manual_page(str(params.get("code")))
+
+    def _draw(self, params: Data) -> Data:
+        from cspdiag.studio.engine.drawing import draw
+
+        return draw(self._programs.view(files_of(params)), params)
+
+    def _verify(self, params: Data) -> list[Data]:
+        from cspdiag.studio.engine.proving import verify
+
+        return verify(files_of(params), params)
+
+    def _timing(self, params: Data) -> Data:
+        from cspdiag.studio.engine.proving import timing
+
+        return timing(self._programs.loaded(files_of(params)))
+
+    def _compile(self, params: Data) -> Data:
+        from cspdiag.studio.engine.running import compiled
+
+        return compiled(self._programs.loaded(files_of(params)), params)
+
+    def _run(self, params: Data) -> Data:
+        from cspdiag.studio.engine.running import run
+
+        return run(self._programs.loaded(files_of(params)), params)
+
+
+def _refusal(number: object, message: str, help: str | None) -> Data:
+    error: Data = {"message": message}
+    if help is not None:
+        error["help"] = help
+    return {"id": number, "error": error}

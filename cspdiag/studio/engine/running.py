@@ -1,0 +1,101 @@
+"""``compile`` and ``run``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.model.types import EnumType, RealType, Type
+from cspdiag.simulate.record.held import columns_of
+from cspdiag.simulate.record.run_data import histories
+from cspdiag.studio.engine.data import Data, number
+from cspdiag.studio.engine.failure import RequestError
+
+if TYPE_CHECKING:
+    from cspdiag.api import LoadedProgram
+    from cspdiag.runtime import Outcome
+    from cspdiag.simulate.result import Run
+
+ENDINGS = {
+    "terminated": "ended",
+    "time limit": "until",
+    "deadlock": "deadlock",
+    "failed": "fault",
+    "stopped": "stopped",
+}
+DEFAULT_TIME = "10 s"
+
+
+def compiled(program: LoadedProgram, params: Data) -> Data:
+    """The files of a package. Raises ProgramError, and TargetError for what the target cannot express."""
+    level = params.get("level", 0)
+    return {"files": program.compile(str(params.get("target", "python")), level=level)}
+
+
+def run(program: LoadedProgram, params: Data) -> Data:
+    """A whole run in virtual time. Raises ProgramError, and NoEnvironmentError."""
+    until = params.get("until")
+    found = program.run(
+        params.get("environment"),
+        until=DEFAULT_TIME if until is None else until,
+        set=settings(params),
+        level=params.get("level", 1),
+    )
+    from cspdiag.simulate.record.files import csv_parts
+
+    signals = signals_of(found)
+    return {
+        "time": sorted({time for signal in signals.values() for time in signal["t"]}),
+        "signals": signals,
+        "csv": "".join(csv_parts(found)),
+        "summary": found.summary(),
+        "ended": ENDINGS[found.outcome.ended],
+        "at": found.outcome.time,
+        "text": text_of_ending(found.outcome),
+    }
+
+
+def settings(params: Data) -> dict[str, Any]:
+    """The values of constants and parameters of a request."""
+    given = params.get("set") or {}
+    if not isinstance(given, dict):
+        raise RequestError("`set` is an object of values by name")
+    return given
+
+
+def signals_of(run: Run) -> dict[str, Data]:
+    """The numbers of the external ports over time, in nanoseconds."""
+    passed = histories(run)
+    found = {}
+    for port in run.network.external_ports:
+        history = passed.get(f"{run.network.top}.{port.name}")
+        for column in columns_of(f"{run.network.top}.{port.name}", port.name, port.type, lambda values, _: values):
+            times, values = [], []
+            if history is not None:
+                times = list(history.time)
+                values = [number(value) for value in history.leaf(column.path, 0, len(times))]
+            found[column.name] = {**about(column.type), "direction": port.direction, "t": times, "v": values}
+    return found
+
+
+def about(kind: Type) -> Data:
+    """The type of a number, as plots show it."""
+    return {
+        "type": str(kind),
+        "unit": (str(kind.unit) or None) if isinstance(kind, RealType) else None,
+        "literals": list(kind.literals) if isinstance(kind, EnumType) else None,
+    }
+
+
+def text_of_ending(outcome: Outcome) -> str:
+    """Why a run ended, for people."""
+    from cspdiag.runtime.kernel.durations import shown
+    from cspdiag.runtime.kernel.exceptions import described
+
+    if outcome.deadlock is not None:
+        return outcome.deadlock.text
+    at = f"at {shown(outcome.time)}"
+    if outcome.ended == "failed" and outcome.error is not None:
+        return f"ended unsuccessfully {at}: {described(outcome.error)}"
+    return {"terminated": "ended by itself", "time limit": "reached the time limit"}.get(
+        outcome.ended, "stopped"
+    ) + f" {at}"
