@@ -11,6 +11,7 @@ from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, own, uns
 from cspdiag.codegen.c.text.numbered import at_first, stride
 from cspdiag.codegen.c.text.statements import Blank, Statement, store
 from cspdiag.network.ir.actions import Action, Group, ParallelSteps, RunInstance
+from cspdiag.network.ir.network import ProcessClass
 
 
 @dataclass
@@ -52,8 +53,8 @@ def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
     position = 0
     writer.depth += step.prioritized
     while position < len(step.steps):
-        count = 1 if step.prioritized else _elements(writer, step.steps, position)
         branch = step.steps[position]
+        count = _elements(writer, step.steps, position) if not step.prioritized and _is_process(writer, branch) else 1
         alike = _replicas(writer, step, position)
         if alike is not None:
             member = writer.branch(alike.body, _name_of_replicated(writer, branch), alike.count)
@@ -85,6 +86,11 @@ def _name_of_replicated(writer: Writer, branch: Action) -> str | None:
         return None
     first = branch.steps[0]
     return f"par_{writer.members.arrays.base(first.instance)}" if isinstance(first, RunInstance) else None
+
+
+def _is_process(writer: Writer, branch: Action) -> bool:
+    """Whether the branch is an instance of a process, which has a task of its own in its struct; a law has none."""
+    return isinstance(branch, RunInstance) and isinstance(writer.class_of(branch.instance), ProcessClass)
 
 
 def _elements(writer: Writer, steps: Sequence[Action], start: int) -> int:
