@@ -100,6 +100,17 @@ def test_the_text_of_numbered_lines_does_not_grow_with_their_number(target: str,
     assert len(few.splitlines()) == len(many.splitlines())
 
 
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("name", ["ring", "pipeline", "workers", "star"])
+def test_the_python_of_an_array_does_not_grow_with_its_elements(name: str, level: int) -> None:
+    few, many = (
+        pipeline.generate(network(name, count), read_source, "python", level) for count in (200, 900)
+    )  # too many to be fused
+    assert few.keys() == many.keys()
+    for path, text in few.items():
+        assert len(text.splitlines()) == len(many[path].splitlines()), path
+
+
 def test_the_groups_of_a_summary_take_the_same_for_each_element() -> None:
     def grouping(count: int) -> Callable[[], object]:
         made = network("star", count)

@@ -38,7 +38,7 @@ from cspdiag.codegen.c.text.statements import (
     run,
     store,
 )
-from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.codegen.shared.branches import branch_name
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import Action, InterruptOn, ParallelSteps, RunInstance, Step

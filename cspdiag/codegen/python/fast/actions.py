@@ -46,7 +46,7 @@ from cspdiag.codegen.python.text.statements import (
     run,
     try_,
 )
-from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.codegen.shared.branches import branch_name, runs_in_order, runs_instances
 from cspdiag.codegen.shared.trees import LEAST
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir import actions as ir
@@ -275,10 +275,7 @@ class Composition(Alternatives, LawSteps):
     def _whole_array(self, steps: Sequence[ir.Action], start: int) -> tuple[Code, int] | None:
         first = steps[start]
         array = self.spelling.members.array_of(first.instance) if isinstance(first, ir.RunInstance) else None
-        if array is None:
-            return None
-        given = [s.instance for s in steps[start : start + len(array.elements)] if isinstance(s, ir.RunInstance)]
-        if given != list(array.elements):
+        if array is None or not runs_in_order(steps, start, array.elements):
             return None
         return own(array.name), len(array.elements)
 
@@ -304,7 +301,7 @@ class Composition(Alternatives, LawSteps):
 
     def _alike(self, steps: Sequence[ir.Action]) -> Code | None:
         """Branches that differ only in an index, as one function with that index as its last parameter."""
-        if len(steps) < LEAST or not all(map(_is_plain, steps)):
+        if len(steps) < LEAST or isinstance(steps[0], ir.RunInstance) or not all(map(_is_plain, steps)):
             return None
         k = self.spelling["k"]
         with self.communications.function() as owned:
@@ -336,6 +333,7 @@ class Composition(Alternatives, LawSteps):
 def _is_plain(action: ir.Action) -> bool:
     """Whether an action contains no alternative and needs no function of its own."""
     return not any(
-        isinstance(p, ir.Choice | ir.ParallelSteps | ir.InterruptOn | ir.Group | ir.RunInstance | ir.RunLaw)
+        isinstance(p, ir.Choice | ir.InterruptOn | ir.Group | ir.RunLaw)
+        or (isinstance(p, ir.ParallelSteps) and not runs_instances(p))
         for p in parts(action)
     )

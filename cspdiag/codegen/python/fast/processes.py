@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 
 from cspdiag.base.record import replaced
@@ -68,7 +68,6 @@ from cspdiag.network.ir.external import external_calls
 from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
-    InstanceOf,
     LocalChannel,
     Medium,
     Network,
@@ -339,8 +338,7 @@ class _ProcessWriter(ConstructorWriter):
 
     def _channels(self) -> Iterator[Statement]:
         kept = [channel for channel in self.process.channels if not self.spelling.is_local(channel.name)]
-        made = {channel.name: self._channel(channel) for channel in kept}
-        yield from self._attributes(kept, made)
+        yield from self._channels_made(kept)
 
     def _channel_class(self, channel: LocalChannel) -> str:
         medium = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
@@ -374,21 +372,10 @@ class _ProcessWriter(ConstructorWriter):
         for name, choice in choices.items():
             yield assign(own(self.composition.choice_names[name]), choice)
 
-    def _made_instance(self, instance: InstanceOf, arrays: set[str]) -> Iterator[Statement]:
-        array = self.members.array_of(instance.name)
-        if array is None:
-            yield assign(self.members.attribute(instance.name), self.instances.made(instance))
-        elif array.name not in arrays:
-            arrays.add(array.name)
-            by_name = {item.name: item for item in self.process.instances}
-            elements = [self.instances.made(by_name[element]) for element in array.elements]
-            yield assign(own(array.name), self._array(array, elements))
-
-    def _array(self, array: Array, elements: Sequence[Code]) -> Code:
-        made = super()._array(array, elements)
-        if self.traced or not isinstance(made, Comprehension) or not self._has_label(array.elements[0]):
-            return made
-        return replaced(made, brackets=f"{self.imports.runtime('numbered')}()")
+    def _array(self, array: Array, elements: Code) -> Code:
+        if self.traced or not isinstance(elements, Comprehension) or not self._has_label(array.elements[0]):
+            return elements
+        return replaced(elements, brackets=f"{self.imports.runtime('numbered')}()")
 
     def _has_label(self, element: str) -> bool:
         """Whether a channel or an instance can share the names of its array."""

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.plain.instances import path
+from cspdiag.codegen.python.plain.instances import Instances, numbers_in_name, path, printed_alike
 from cspdiag.codegen.python.plain.members import Array, Members
 from cspdiag.codegen.python.text.code import NONE, Argument, Call, Code, Name, WholeNumber, own, typed
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.modules import parameter_annotation, port_annotation
-from cspdiag.codegen.python.text.rolling import rolled_list
+from cspdiag.codegen.python.text.rolling import rolled_rows
 from cspdiag.codegen.python.text.statements import Statement, assign
 from cspdiag.codegen.python.text.types import annotation
+from cspdiag.codegen.shared.trees import Outline
 from cspdiag.network.ir.network import InstanceOf, LocalChannel, Port, ProcessClass
 
 CHANNEL_CLASSES = {
@@ -33,6 +34,7 @@ class ConstructorWriter:
     members: Members
     imports: Imports
     initial: Printer
+    instances: Instances
 
     def _argument(self, name: str) -> Code:
         return Name(self.members.arguments[name])
@@ -58,22 +60,58 @@ class ConstructorWriter:
     def _channel_class(self, channel: LocalChannel) -> str:
         return CHANNEL_CLASSES[channel.kind]
 
-    def _attributes(
-        self, items: Sequence[LocalChannel] | Sequence[InstanceOf], made: Mapping[str, Code]
-    ) -> Iterator[Statement]:
-        """Assign the attributes of channels or instances; elements of an array that are missing in ``made`` become
-        ``None``.
-        """
+    def _channels_made(self, channels: Sequence[LocalChannel]) -> Iterator[Statement]:
+        """Assign the attributes of channels; elements of an array that are not among them are ``None``."""
+        made = {channel.name: channel for channel in channels}
         done: set[str] = set()
-        for item in items:
-            array = self.members.array_of(item.name)
+        for channel in channels:
+            array = self.members.array_of(channel.name)
             if array is None:
-                yield assign(self.members.attribute(item.name), made[item.name])
+                yield assign(self.members.attribute(channel.name), self._channel(channel))
             elif array.name not in done:
                 done.add(array.name)
-                elements = [made.get(element, NONE) for element in array.elements]
-                yield assign(own(array.name), self._array(array, elements))
+                yield assign(own(array.name), self._array(array, self._channel_list(array, made)))
 
-    def _array(self, array: Array, elements: Sequence[Code]) -> Code:
-        """The elements of an array of channels or instances as a list."""
-        return rolled_list(elements, self.members.index)
+    def _channel_list(self, array: Array, made: Mapping[str, LocalChannel]) -> Code:
+        channels = [made.get(element) for element in array.elements]
+
+        def element(position: int) -> Code:
+            channel = channels[position]
+            return NONE if channel is None else self._channel(channel)
+
+        rows = [_NO_CHANNEL if channel is None else self._row(channel) for channel in channels]
+        return rolled_rows(rows, element, self.members.index)
+
+    def _row(self, channel: LocalChannel) -> Outline:
+        """What the creation of a channel depends on."""
+        texts, numbers = numbers_in_name(channel.name)
+        initial = None if channel.initial is None else printed_alike(channel.initial)
+        if channel.capacity is not None:
+            numbers.append(channel.capacity)
+        shape = (texts, self._channel_class(channel), channel.type, initial, channel.capacity is None)
+        return Outline(shape, tuple(numbers))
+
+    def _made_instance(self, instance: InstanceOf, arrays: set[str]) -> Iterator[Statement]:
+        """Make an instance, or the whole array that it is an element of unless that is among the ``arrays`` that were
+        made.
+        """
+        array = self.members.array_of(instance.name)
+        if array is None:
+            yield assign(self.members.attribute(instance.name), self.instances.made(instance))
+        elif array.name not in arrays:
+            arrays.add(array.name)
+            yield assign(own(array.name), self._array(array, self._instance_list(array)))
+
+    def _instance_list(self, array: Array) -> Code:
+        """The list with all instances of an array."""
+        by_name = {item.name: item for item in self.process.instances}
+        instances = [by_name[element] for element in array.elements]
+        rows = [self.instances.row(instance) for instance in instances]
+        return rolled_rows(rows, lambda position: self.instances.made(instances[position]), self.members.index)
+
+    def _array(self, array: Array, elements: Code) -> Code:
+        """The list of the elements of an array of channels or instances."""
+        return elements
+
+
+_NO_CHANNEL = Outline(None, ())

@@ -5,7 +5,7 @@ ports.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import assert_never
 
 from cspdiag.codegen.python.plain.expressions import Printer
@@ -17,8 +17,10 @@ from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import MEMBERS, PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.rolling import rolled_list
 from cspdiag.codegen.shared.places_in_arrays import NUMBER
+from cspdiag.codegen.shared.trees import Outline
+from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
-from cspdiag.network.ir.expressions import Expression, TunableValue
+from cspdiag.network.ir.expressions import Expression, LiteralValue, TunableValue
 from cspdiag.network.ir.network import (
     Connection,
     ConstantEnd,
@@ -66,6 +68,46 @@ class Instances:
         if isinstance(class_, ProcessClass) and class_.external is not None:
             return Call(Name(self.modules.imported(class_.external, self.imports)), tuple(arguments))
         return Call(Name(self.imports.class_(class_.name)), tuple(arguments))
+
+    def row(self, instance: InstanceOf) -> Outline:
+        """What the call that creates an instance depends on: if another instance has a row of the same shape, both
+        calls differ at most in numbers, and these are among those of the rows.
+        """
+        if isinstance(self.network.class_named(instance.class_name), SubmodelClass):
+            return Outline(instance, ())  # A reading end has a name of its own.
+        texts, numbers = numbers_in_name(instance.name)
+        shape: list[Hashable] = [texts, instance.class_name]
+        for _, value in instance.arguments:
+            if not (
+                isinstance(value, LiteralValue)
+                and value.name is None
+                and isinstance(value.type, IntType)
+                and isinstance(value.value, int)
+                and value.value >= 0
+            ):
+                shape.append(printed_alike(value))
+            else:
+                shape.append("number")
+                numbers.append(value.value)
+        for connection in instance.connections:
+            if connection.index is not None:
+                return Outline(instance, ())  # What is attached may be a whole array.
+            attachment = connection.attachment
+            if isinstance(attachment, ChannelEnd):
+                array = self.members.array_of(attachment.channel)
+                if array is None:
+                    shape += "channel", attachment.channel
+                else:
+                    shape += "array", array.name
+                    numbers.append(array.positions[attachment.channel])
+            elif isinstance(attachment, PortEnd) and attachment.index is not None:
+                shape += "element", attachment.port, attachment.end
+                numbers.append(attachment.index)
+            elif isinstance(attachment, ConstantEnd):
+                shape += "constant", printed_alike(attachment.value)
+            else:
+                shape.append(attachment)
+        return Outline(tuple(shape), tuple(numbers))
 
     def _argument(self, value: Expression) -> Code:
         if isinstance(value, TunableValue):
@@ -115,3 +157,14 @@ def path(name: str, owner: Code | None = None) -> Code:
     parts = _NUMBERS.split(name)
     counted = [WholeNumber(int(part)) if position % 2 else part for position, part in enumerate(parts)]
     return Formatted((owner or _NAME, ".", *counted))
+
+
+def printed_alike(value: Expression) -> Hashable:
+    """Equal for expressions that have the same text; places and names of constants, too, may matter for that."""
+    return (value, value.span, value.name) if isinstance(value, LiteralValue) else id(value)
+
+
+def numbers_in_name(name: str) -> tuple[tuple[str, ...], list[int]]:
+    """The parts of a name between the numbers that may count in it, and these numbers."""
+    parts = _NUMBERS.split(name)
+    return tuple(parts[::2]), [int(part) for part in parts[1::2]]

@@ -122,16 +122,16 @@ class _ProcessWriter(ConstructorWriter):
                 yield assign(own(name), Name(self.members.arguments[end.port]).call("reader", SELF))
 
     def _channels(self) -> Iterable[Statement]:
-        yield from self._attributes(self.process.channels, {c.name: self._channel(c) for c in self.process.channels})
+        yield from self._channels_made(self.process.channels)
         for end in self.members.reading_ends:
             if isinstance(end, ChannelEnd):
                 reader = self.members.channel(end.channel).call("reader", SELF)
                 yield assign(own(self.members.end_name(end)), reader)
 
     def _instances(self) -> Iterable[Statement]:
-        yield from self._attributes(
-            self.process.instances, {item.name: self.instances.made(item) for item in self.process.instances}
-        )
+        made: set[str] = set()
+        for instance in self.process.instances:
+            yield from self._made_instance(instance, made)
 
 
 def all_readers(port: str, owner: Code) -> Code:

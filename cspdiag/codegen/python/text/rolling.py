@@ -6,7 +6,9 @@ that the generator has built, so the loop means the same as its elements by cons
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from itertools import groupby
+from operator import attrgetter
 from typing import TypeVar
 
 from cspdiag.codegen.python.text.code import (
@@ -39,9 +41,53 @@ def rolled_list(elements: Sequence[Code], variable: str) -> Code:
     """A list of the elements: a comprehension, or single elements and starred comprehensions if only a part of them
     repeats.
     """
+    return _list(alike_runs(elements, variable), len(elements), variable)
+
+
+def rolled_rows(rows: Sequence[Outline], made: Callable[[int], Code], variable: str) -> Code:
+    """The same list of elements that ``made`` makes by their position, which is done for a few only: all that a row
+    says of its element is in its shape, except for whole numbers, and the numbers of the element are among those of
+    the row.
+    """
+    outlines: list[Outline] = []
+    for _, group in groupby(rows, key=attrgetter("shape")):
+        outlines += _outlines_of([row.numbers for row in group], len(outlines), made)
+    return _list(_runs(outlines, made, variable), len(rows), variable)
+
+
+def _outlines_of(rows: Sequence[tuple[int, ...]], start: int, made: Callable[[int], Code]) -> list[Outline]:
+    """The outlines of elements from ``start`` on with rows of one shape."""
+    witnesses = [0, 1, len(rows) - 1]
+    if len(rows) > len(witnesses):
+        known = [outline(made(start + position)) for position in witnesses]
+        columns = _columns([one.numbers for one in known], [rows[position] for position in witnesses], rows)
+        if columns is not None and len({one.shape for one in known}) == 1:
+            return [Outline(known[0].shape, tuple([row[column] for column in columns])) for row in rows]
+    return [outline(made(start + position)) for position in range(len(rows))]
+
+
+def _columns(
+    numbers: Sequence[tuple[int, ...]], witnesses: Sequence[tuple[int, ...]], rows: Sequence[tuple[int, ...]]
+) -> list[int] | None:
+    """Where the ``numbers`` of elements are in the rows of these; None if that is not certain."""
+    if len(set(map(len, numbers))) > 1:
+        return None
+    places: dict[tuple[int, ...], list[int]] = {}
+    for column, values in enumerate(zip(*witnesses, strict=True)):
+        places.setdefault(values, []).append(column)
+    found: list[int] = []
+    for values in zip(*numbers, strict=True):
+        first, *others = places.get(values, (None,))
+        if first is None or any(row[first] != row[other] for other in others for row in rows):
+            return None
+        found.append(first)
+    return found
+
+
+def _list(runs: Iterable[tuple[int, int, Code]], count: int, variable: str) -> Code:
     items: list[Code] = []
-    for start, turns, part in alike_runs(elements, variable):
-        if turns == len(elements) >= LEAST:
+    for start, turns, part in runs:
+        if turns == count >= LEAST:
             return Comprehension(part, variable, counted_to(turns))
         items.append(part if turns == 1 else Starred(Comprehension(part, variable, counted_from(start, turns), "()")))
     return Items("[]", tuple(items))
@@ -51,18 +97,21 @@ def alike_runs(elements: Sequence[T], variable: str) -> Iterator[tuple[int, int,
     """The elements, where those that follow one another and differ only in numbers that count are one, in which
     ``variable`` is the position: the position of the first, their number, and the element that they share.
     """
-    outlines = [outline(element) for element in elements]
-    whole = _template(elements[0], outlines, variable, 0) if len(elements) >= LEAST else None
+    return _runs([outline(element) for element in elements], elements.__getitem__, variable)
+
+
+def _runs(outlines: Sequence[Outline], made: Callable[[int], T], variable: str) -> Iterator[tuple[int, int, T]]:
+    whole = _template(made(0), outlines, variable, 0) if len(outlines) >= LEAST else None
     if whole is not None:
-        yield 0, len(elements), whole
+        yield 0, len(outlines), whole
         return
     start = 0
-    while start < len(elements):
+    while start < len(outlines):
         turns, _ = repetitions_from(outlines, start, 1, _counts)
         alike = outlines[start : start + turns]
-        part = _template(elements[start], alike, variable, start) if turns >= LEAST else None
+        part = _template(made(start), alike, variable, start) if turns >= LEAST else None
         if part is None:
-            turns, part = 1, elements[start]
+            turns, part = 1, made(start)
         yield start, turns, part
         start += turns
 

@@ -8,7 +8,7 @@ from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import address, call, cast, own
 from cspdiag.codegen.c.text.names import identifier
 from cspdiag.codegen.c.text.statements import Statement, choose, run
-from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.codegen.shared.branches import branch_name
 from cspdiag.network.ir.actions import InterruptOn, RunInstance
 
 

@@ -35,7 +35,7 @@ from cspdiag.codegen.python.text.statements import (
     run,
     try_,
 )
-from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.codegen.shared.branches import branch_name, runs_in_order, runs_instances
 from cspdiag.codegen.shared.trees import LEAST
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression
@@ -163,8 +163,17 @@ class Composition(Alternatives):
                 position += count
 
     def _alike(self, steps: Sequence[ir.CoreAction]) -> Argument | None:
-        """Branches that differ only in an index, as one coroutine with that index as its parameter."""
-        if len(steps) < LEAST or isinstance(steps[0], ir.RunInstance) or not all(map(is_plain, steps)):
+        """Branches that differ only in an index, as a loop over parallels of instances, or as one coroutine with that
+        index as its parameter.
+        """
+        if len(steps) < LEAST or isinstance(steps[0], ir.RunInstance):
+            return None
+        if all(map(runs_instances, steps)):
+            parallel = template([self.awaitable(step) for step in steps], self.members.index)
+            if parallel is None:
+                return None
+            return Argument(Comprehension(parallel, self.members.index, counted_to(len(steps)), "()"), starred=True)
+        if not all(map(is_plain, steps)):
             return None
         groups = [self.statements(step) for step in steps]
         index = self.members.index_around(groups)
@@ -184,9 +193,7 @@ class Composition(Alternatives):
         array = self.members.array_of(first.instance)
         if array is None:
             return None
-        wanted = array.elements
-        given = [step.instance for step in steps[start : start + len(wanted)] if isinstance(step, ir.RunInstance)]
-        return (own(array.name), len(wanted)) if given == list(wanted) else None
+        return (own(array.name), len(array.elements)) if runs_in_order(steps, start, array.elements) else None
 
     def _group(self, label: str, body: ir.CoreAction) -> Code:
         return call(self.imports.runtime("group"), Constant(quoted(label)), self.deferred(body, label))

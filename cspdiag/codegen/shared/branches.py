@@ -1,6 +1,8 @@
-"""Names for parts of a composition that have no name in the text."""
+"""Branches of a composition: names for those that have none in the text, and which only run instances."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.walk import instances_run, parts
@@ -33,3 +35,18 @@ def branch_name(action: ir.Action) -> str:
 
 def _name_of(end: ir.End) -> str:
     return end.port if isinstance(end, ir.PortEnd) else end.channel
+
+
+def runs_instances(action: ir.Action) -> bool:
+    """Whether it is a parallel of instances and of nothing else."""
+    return isinstance(action, ir.ParallelSteps) and all(isinstance(step, ir.RunInstance) for step in action.steps)
+
+
+def runs_in_order(steps: Sequence[ir.Action], start: int, instances: Sequence[str]) -> bool:
+    """Whether the steps from ``start`` on run these instances, one after the other."""
+    if start + len(instances) > len(steps):
+        return False
+    return all(
+        isinstance(step := steps[position], ir.RunInstance) and step.instance == name
+        for position, name in enumerate(instances, start)
+    )
