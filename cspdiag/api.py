@@ -157,6 +157,15 @@ class LoadedProgram:
             raise ProgramError(built.checked.report.diagnostics)
         return built.network
 
+    def _settable(self) -> CoreNetwork:
+        """The network of the outermost process with fixed parameters, for an FMU."""
+        from cspdiag.simulate.fmu.settable import settable
+
+        built = pipeline.build(self.source, self._read, real=self._real)
+        if built.network is None:
+            raise ProgramError(built.checked.report.diagnostics)
+        return settable(built, None, None).network
+
     def _program(self) -> Program:
         """The program; it has no errors."""
         assert self._checked.program is not None
@@ -191,8 +200,9 @@ class LoadedProgram:
         require_one_of("target", target, TARGETS)
         require_one_of("framework", framework, ("", *FRAMEWORKS) if target == "c" else ("",))
         _require_level(level)
+        network = self._settable() if target == "fmu" else self.network
         with file_errors():
-            files = pipeline.generate(self.network, self._read, target, level, framework=framework)
+            files = pipeline.generate(network, self._read, target, level, framework=framework)
         if target == "python":
             require_valid(files)
         return files

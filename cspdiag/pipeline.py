@@ -147,15 +147,21 @@ def check(
 
 
 @raised_recursion_limit()
-def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[Label, ...] = ()) -> Checked:
+def changed(
+    checked: Checked,
+    constants: Mapping[str, Value],
+    suspects: tuple[Label, ...] = (),
+    *,
+    trees: Sequence[SourceTree] | None = None,
+) -> Checked:
     """A program without errors, checked with other values of its constants; its text is not read again.
 
-    Errors show the ``suspects``.
+    Errors show the ``suspects``. ``trees`` take the places of those of its files.
     """
     assert checked.program is not None
     report = Report()
     report.suspects = suspects
-    return _checked(checked.program.trees, constants, report, real=checked.real)
+    return _checked(trees or checked.program.trees, constants, report, real=checked.real)
 
 
 def _checked(

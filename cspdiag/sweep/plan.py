@@ -12,12 +12,13 @@ from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile
 from cspdiag.network.checks.endless import never_ends
+from cspdiag.network.lower.promoted import can_be_promoted, promoted
 from cspdiag.pipeline import Checked, Reader
 from cspdiag.settings import Overrides, SettingError, parse_settings
 from cspdiag.simulate.run.execute import chosen_environment
 from cspdiag.sweep.axes import Axis, AxisValue, Grid, grid_of
 from cspdiag.sweep.measures import Measures, parse_measures
-from cspdiag.sweep.promoted import Programs, can_be_promoted, programs_of, promoted
+from cspdiag.sweep.programs import Programs, programs_of
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:

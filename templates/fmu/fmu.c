@@ -229,7 +229,15 @@ static void *place(fmu_instance *self, const fmu_variable *of)
 static const fmu_variable *settable(fmu_instance *self, uint32_t reference)
 {
     const fmu_variable *const found = variable(self, reference);
-    if ((found != NULL) && (found->use != FMU_INPUT) && (found->use != FMU_PARAMETER)) {
+    if (found == NULL) {
+        return NULL;
+    }
+    if (found->use == FMU_FIXED) {
+        if (self->phase > FMU_INITIALIZING) {
+            (void)fail_of_variable(self, reference, "cannot be set any more: it is a fixed parameter, for the initialization");
+            return NULL;
+        }
+    } else if ((found->use != FMU_INPUT) && (found->use != FMU_PARAMETER)) {
         (void)fail_of_variable(self, reference, "cannot be set: it is no input");
         return NULL;
     }
@@ -270,6 +278,9 @@ bool fmu_set_real(fmu_instance *self, uint32_t reference, double value)
     const fmu_variable *const found = settable(self, reference);
     if (found == NULL) {
         return false;
+    }
+    if ((found->use == FMU_FIXED) && !isfinite(value)) {
+        return fail_of_variable(self, reference, "does not have this value: it is not finite");
     }
     if (found->type == FMU_FLOAT64) {
         *(double *)place(self, found) = value;

@@ -37,7 +37,9 @@ typedef enum fmu_type {
     FMU_CLOCK        /* a bool: active or not */
 } fmu_type;
 
-typedef enum fmu_use { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER } fmu_use;
+typedef enum fmu_use { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER, FMU_FIXED } fmu_use;
+
+/* A fixed parameter may be set until the initialization ends, any other one also between two steps. */
 
 /* A variable; its value reference is its position in the table. The first one is the time. */
 typedef struct fmu_variable {

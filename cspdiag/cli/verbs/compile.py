@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Built
 
+_MOST_NAMES = 8
+
 EXAMPLE = """\
 cspdiag compile models/jiwy/jiwy.csp -o build
 cspdiag compile models/jiwy/jiwy.csp --target fmu -o build
@@ -176,7 +178,7 @@ def _generate(arguments: Namespace) -> int:
     if network is None:
         return UNSUCCESSFUL
     if arguments.target == "fmu":
-        return _write_fmu(arguments, built, network, templates)
+        return _write_fmu(arguments, built, templates)
     folder = os.path.join(arguments.output, network.name)
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise UsageError(f"{folder} is in the way: it is not a folder")
@@ -213,14 +215,17 @@ def _is_another(earlier: str, file: str) -> bool:
     return os.path.isfile(earlier) and not os.path.samefile(earlier, file)
 
 
-def _write_fmu(arguments: Namespace, built: Built, network: CoreNetwork, templates: Mapping[str, Replacement]) -> int:
+def _write_fmu(arguments: Namespace, built: Built, templates: Mapping[str, Replacement]) -> int:
     """Write an FMU, with the diagrams as its documentation if they can be drawn here."""
     from cspdiag.base.errors import CspdiagError
     from cspdiag.base.files.whole import write_whole
     from cspdiag.codegen.fmi.package import identifier
     from cspdiag.simulate.fmu.export import archive
+    from cspdiag.simulate.fmu.settable import settable, settable_environment
 
     plant, fmi = arguments.environment or "", arguments.fmi or FMI_VERSIONS[0]
+    made = settable_environment(built, arguments.top, plant) if plant else settable(built, arguments.top, None)
+    network = made.network
     name = identifier(network, plant)
     place = os.path.join(arguments.output, f"{name}.fmu")
     try:
@@ -235,6 +240,10 @@ def _write_fmu(arguments: Namespace, built: Built, network: CoreNetwork, templat
     os.makedirs(arguments.output, exist_ok=True)
     write_whole(place, data)
     say(f"wrote {on_one_line(place)}: FMI {fmi}, co-simulation, {len(data) // 1000} kB")
+    for reason in dict.fromkeys(made.constants.values()):
+        names = [name for name, why in made.constants.items() if why == reason]
+        listed = f"{', '.join(names[:_MOST_NAMES])}{', ...' if len(names) > _MOST_NAMES else ''}"
+        say(f"  no parameters of the FMU: {listed} ({reason})")
     if missing:
         say(f"  without the diagrams: {missing}")
     return FINE

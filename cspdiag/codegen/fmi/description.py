@@ -214,7 +214,9 @@ def _described3(place: Element, variable: Variable, reference: int) -> None:
 
 
 def _variability(variable: Variable) -> str:
-    return "tunable" if variable.causality == "parameter" else "discrete"
+    if variable.causality != "parameter":
+        return "discrete"
+    return "fixed" if variable.is_fixed else "tunable"
 
 
 def _start(variable: Variable) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from uuid import NAMESPACE_URL, uuid5
 
 from cspdiag.base.files.resources import template_folder
@@ -16,11 +16,14 @@ from cspdiag.codegen.c.text.names import snake_case
 from cspdiag.codegen.fmi.description import Model, build_description, model_description
 from cspdiag.codegen.fmi.variables import Clock, Variable, c_type, scalars
 from cspdiag.codegen.options import Options
+from cspdiag.codegen.shared.equations import constants_needed
 from cspdiag.codegen.shared.render import renderer
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import ArrayType, EnumType, IntType, StructType
-from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort
+from cspdiag.network.ir.expressions import TunableValue
+from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort, ProgramParameter
+from cspdiag.network.ir.walk import parts
 from cspdiag.network.ir.zero import zero
 
 SOURCES = "sources/"
@@ -141,7 +144,8 @@ def _plant(package: Package, options: Options) -> dict[str, str]:
     token = _token([*sources.values(), options.fmi])
     variables = list(_plant_variables(package, environment, writer))
     if writer.uses_parameters:
-        variables += parameter_variables(package, "parameters")
+        used = _used_parameters(package, options.plant)
+        variables += parameter_variables(package, used, "parameters")
     samplings = [port.sampling for port in package.network.external_ports if port.sampling is not None]
     ticks = list(dict.fromkeys([Sampling(environment.step), *samplings]))
     model = PlantModel(
@@ -198,7 +202,7 @@ def _table(variables: Sequence[Variable]) -> list[str]:
     for variable in variables:
         literals = len(variable.type.literals) if isinstance(variable.type, EnumType) else 0
         place = f"offsetof(struct fmu_model, {variable.place})"
-        use = f"FMU_{variable.causality.upper()}"
+        use = "FMU_FIXED" if variable.is_fixed else f"FMU_{variable.causality.upper()}"
         rows.append(f'{{"{variable.name}", {use}, {c_type(variable.type)}, {place}, {literals}}}')
     return rows
 
@@ -212,7 +216,13 @@ class _Program:
         self._has_clocks = fmi != "2.0"
         self.event_outputs = [port for port in interface.outputs if port.medium == "direct" and port.sampling is None]
         self.variables = [variable for port in package.network.external_ports for variable in self._of(port)]
-        self.variables += parameter_variables(package, "values.parameters")
+        self.variables += parameter_variables(package, self._parameters(), "values.parameters")
+
+    def _parameters(self) -> list[ProgramParameter]:
+        """The parameters of the text, and those fixed ones that processes use."""
+        network = self._package.network
+        used = _with_origins(network.parameters, {parameter for _, parameter in network.tunable})
+        return [item for item in network.parameters if item.name in used or not item.fixed]
 
     def _of(self, port: ExternalPort) -> Iterator[Variable]:
         member = self._interface.members[port.key]
@@ -266,9 +276,28 @@ class _Program:
         return rows
 
 
-def parameter_variables(package: Package, place: str) -> Iterator[Variable]:
-    """The parameters of the program; ``place`` is the struct with them in the model."""
-    for item in package.network.parameters:
+def _used_parameters(package: Package, plant: str) -> list[ProgramParameter]:
+    """The parameters of the program that an environment uses, or of which it uses what follows from them."""
+    environment = next(entry for entry in package.network.environments if entry.name == plant)
+    assert environment.system is not None
+    needed = replaced(environment.system, constants=tuple(constants_needed(environment.system)))
+    used = {part.name for part in parts(needed) if isinstance(part, TunableValue)}
+    every = package.network.parameters
+    return [item for item in every if item.name in _with_origins(every, used)]
+
+
+def _with_origins(parameters: Sequence[ProgramParameter], used: Collection[str]) -> set[str]:
+    """The names of parameters that are used, and of those that they follow from."""
+    found = set(used)
+    for item in reversed(parameters):
+        if item.name in found and item.follows is not None:
+            found.update(part.name for part in parts(item.follows) if isinstance(part, TunableValue))
+    return found
+
+
+def parameter_variables(package: Package, parameters: Iterable[ProgramParameter], place: str) -> Iterator[Variable]:
+    """These parameters of the program; ``place`` is the struct with them in the model."""
+    for item in parameters:
         if item.follows is not None:
             continue
         at = f"{place}.{package.types.field(item.name)}"
@@ -280,6 +309,7 @@ def parameter_variables(package: Package, place: str) -> Iterator[Variable]:
                 place=member,
                 start=value,
                 description=item.doc or "",
+                is_fixed=item.fixed,
             )
 
 

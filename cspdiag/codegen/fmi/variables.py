@@ -35,7 +35,8 @@ class Clock:
 class Variable:
     """A variable: its name in FMI, its place in the struct of the model, and its value at the start.
 
-    ``is_delayed``: an output that does not depend on the inputs of the same instant.
+    ``is_delayed``: an output that does not depend on the inputs of the same instant. ``is_fixed``: a parameter that may
+    be set until the initialization ends.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Variable:
     start: Value
     description: str = ""
     is_delayed: bool = False
+    is_fixed: bool = False
 
     @property
     def unit(self) -> str:

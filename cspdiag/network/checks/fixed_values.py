@@ -16,6 +16,9 @@ from cspdiag.syntax.walk import names, nodes
 _OPERATORS = {"delay": (1,), "transfer": (0, 1), "statespace": (0, 1, 2, 3)}
 """The arguments of operators whose coefficients are computed when the program is compiled, by position."""
 
+_CHECKED = {**_OPERATORS, "lag": (1,)}
+"""Those, and the arguments for which some values are refused when the program is compiled."""
+
 _Place = tuple[ast.Node, str]
 """An expression, and what its value is."""
 
@@ -24,12 +27,12 @@ def check_fixed_values(program: Program, report: Report, checks: Checks = ALWAYS
     """Report parameters of the program, and constants that follow from them, where a value must not change."""
     if not program.tunable:
         return
-    search = _Search(program)
+    search = FixedPlaces(program)
     for definition in program.definitions.values():
         checks.result("fixed values", definition, "", partial(_check, program, search, definition), report)
 
 
-def _check(program: Program, search: _Search, definition: ast.Definition, report: Report) -> None:
+def _check(program: Program, search: FixedPlaces, definition: ast.Definition, report: Report) -> None:
     for expression, what in search.places(definition):
         for name in names((expression,)):
             symbol = program.bindings.get(name)
@@ -55,9 +58,14 @@ def _origin(program: Program, constant: ast.Constant) -> ast.Constant:
     return constant
 
 
-class _Search:
-    def __init__(self, program: Program) -> None:
+class FixedPlaces:
+    """The places of a program where values have to be known when it is compiled; if ``checked`` also those where some
+    values are refused then, and would not be later.
+    """
+
+    def __init__(self, program: Program, *, checked: bool = False) -> None:
         self.program = program
+        self._operators = _CHECKED if checked else _OPERATORS
         self._fixed: dict[ast.Node, dict[ast.Parameter, str]] = {}
         """For each definition its parameters that need fixed values, with what they are."""
 
@@ -105,7 +113,7 @@ class _Search:
                 if isinstance(self.program.bindings.get(owner), ast.Instance):
                     yield from _given((index,), "the index of an element of the diagram")
             case ast.Call(function=function, arguments=arguments):
-                wanted = _OPERATORS.get(function.text, ())
+                wanted = self._operators.get(function.text, ())
                 chosen = [argument.value for at, argument in enumerate(arguments) if at in wanted]
                 yield from _given(chosen, "a coefficient that is computed when the program is compiled")
             case ast.Instance():
@@ -118,14 +126,15 @@ class _Search:
     def _arguments(self, callee: object, arguments: tuple[ast.Argument, ...]) -> Iterator[_Place]:
         if not isinstance(callee, ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition):
             return
-        fixed = self._parameters(callee)
+        fixed = self.parameters(callee)
         for parameter, argument in arguments_of(callee.parameters, arguments):
             if parameter in fixed:
                 yield argument, f"`{parameter.name.text}` of `{callee.name.text}`: {fixed[parameter]}"
 
-    def _parameters(
+    def parameters(
         self, definition: ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
     ) -> dict[ast.Parameter, str]:
+        """The parameters of a definition that need fixed values, with what they are."""
         known = self._fixed.get(definition)
         if known is not None:
             return known

@@ -57,12 +57,14 @@ class NamedConstant(Declared):
 class ProgramParameter(Declared):
     """A ``parameter`` of the text, or a ``const`` that follows from some.
 
-    ``value`` is the one before any change. ``follows`` computes that of a ``const`` from the parameters before it.
+    ``value`` is the one before any change. ``follows`` computes that of a ``const`` from the parameters before it. A
+    ``fixed`` one is a ``const``, or a parameter of an instance, that may be set before a run and not during it.
     """
 
     type: Type
     value: Value
     follows: Expression | None = None
+    fixed: bool = False
 
 
 @record
@@ -235,6 +237,8 @@ class SubmodelClass(Declared):
     """The longest sub-step of the integration in nanoseconds; None for the whole sample."""
     external: ExternalBody | None = None
     wcet: int | None = None
+    decisive: tuple[str, ...] = ()
+    """The constants of an environment whose values decide what else is here: sizes, steps, coefficients."""
 
 
 @record(kw_only=True)

@@ -10,6 +10,7 @@ from cspdiag.model.types import RealType, Type
 from cspdiag.model.units import SECOND
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
+from cspdiag.network.ir.expression_walk import signals_read
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, Value
 from cspdiag.network.ir.network import ClassParameter, SubmodelState
 from cspdiag.network.submodels.discretize import Method
@@ -81,6 +82,8 @@ class Draft:
         """Whether no errors were reported in any definition used."""
         self.depends = False
         """Whether a size or an initial value was computed that depends on the values of parameters."""
+        self.decisive: set[str] = set()
+        """Signals whose values have become a part of the system: a size, an index, a step, a coefficient."""
         self._values: dict[str, Value | None] = {}
 
     def unique(self, name: str) -> str:
@@ -126,7 +129,14 @@ class Draft:
             self.derived[name] = value
 
     def value_of(self, expression: Expression) -> Value | None:
-        """The value of a constant expression; None while it is not known."""
+        """The value of a constant expression, which decides what the system is; None while it is not known."""
+        self.decisive.update(signals_read(expression))
+        return self.probed(expression)
+
+    def probed(self, expression: Expression) -> Value | None:
+        """The value of a constant expression, of which matters only whether it can be computed and is finite; None if
+        it is not known.
+        """
         return constant_value(expression, self._lookup)
 
     def _lookup(self, name: ParameterValue | SignalValue) -> Value | None:
@@ -139,7 +149,7 @@ class Draft:
             return None
         # If the name occurs again in its own value, that is a loop, which is reported elsewhere.
         self._values[name.name] = None
-        value = self._values[name.name] = self.value_of(equation.value)
+        value = self._values[name.name] = self.probed(equation.value)
         if value is None:
             del self._values[name.name]
         return value

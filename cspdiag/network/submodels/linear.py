@@ -83,7 +83,9 @@ def _block(draft: Draft, part: _Part, moving: frozenset[str]) -> LinearBlock:
     """The block of these states. Raises NotLinearError."""
     if not all(is_double(draft.states[name].type) for name in part.derivatives):
         raise NotLinearError
-    forms = LinearForms({name: LinearForm({name: ONE}, None) for name in part.derivatives}, moving, draft.value_of)
+    forms = LinearForms(
+        {name: LinearForm({name: ONE}, None) for name in part.derivatives}, moving, draft.value_of, draft.probed
+    )
     equations: list[SubmodelEquation] = []
     for item in part.equations:
         form = forms.form(item.value)
@@ -133,5 +135,5 @@ def _stays_finite(draft: Draft, block: LinearBlock, h: float) -> bool:
 
 
 def _size(draft: Draft, coefficient: Expression) -> float:
-    value = draft.value_of(coefficient)
+    value = draft.probed(coefficient)
     return abs(value) if isinstance(value, float) else math.nan

@@ -55,12 +55,14 @@ Form = LinearForm | tuple["Form", ...]
 class LinearForms:
     """Makes linear forms of expressions over the signals in ``known``, which move, and any others, which are held.
 
-    ``value_of`` returns the value of an expression over constants, None of any other.
+    ``value_of`` returns the value of an expression over constants, None of any other; ``probed`` does so where nothing
+    but the existence of the value, or a zero, matters.
     """
 
     known: dict[str, Form]
     moving: frozenset[str]
     value_of: Callable[[Expression], Value | None]
+    probed: Callable[[Expression], Value | None]
 
     def form(self, expression: Expression) -> Form:
         """The form of an expression.
@@ -84,7 +86,7 @@ class LinearForms:
                 return self._product(expression)
             case BinaryOperation(operator="/"):
                 divisor = self._constant(expression.right)
-                if self.value_of(divisor) == 0.0:
+                if self.probed(divisor) == 0.0:
                     raise NotLinearError
                 return self._scaled(expression.left, lambda part: _made(expression, part, divisor))
             case ArrayElements():
@@ -122,7 +124,7 @@ class LinearForms:
         return form
 
     def _constant(self, expression: Expression) -> Expression:
-        if self._moves(expression) or self.value_of(expression) is None:
+        if self._moves(expression) or self.probed(expression) is None:
             raise NotLinearError
         return expression
 

@@ -131,7 +131,7 @@ class SubmodelSignals:
         for parameter in self.definition.parameters:
             argument = self.parameters.get(parameter)
             given = self.draft.arguments.get(parameter.name.text)
-            value = given if argument is None else self.draft.value_of(argument)
+            value = given if argument is None else self.draft.probed(argument)
             if value is not None:
                 values[parameter] = value
         return values

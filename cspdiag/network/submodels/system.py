@@ -56,7 +56,7 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     kept = _alive(draft, constants, equations, outputs)
     constants = tuple(item for item in constants if item.name in kept)
     plain = tuple(item for item in equations if not kept.isdisjoint(provides(item)))
-    untested = [item.name for item in constants if draft.value_of(item.value) is None]
+    untested = [item.name for item in constants if draft.probed(item.value) is None]
     equations, following = assured_law(plain, draft.next_values, outputs, untested)
     moving = [replaced(item, value=within_domains(item.value)) for item in _while_integrating(draft, plain)]
     slopes = {name: within_domains(draft.derivatives[name]) for name in draft.states if name in draft.derivatives}
@@ -74,7 +74,25 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
         linear=linear_blocks(draft, moving, slopes) if method == "rk4" else (),
         method=method,
         step=min(draft.steps, default=None),
+        decisive=_decisive(draft, constants) if draft.closed else (),
     )
+
+
+def _decisive(draft: Draft, constants: tuple[SubmodelEquation, ...]) -> tuple[str, ...]:
+    """The constants whose values have become a part of the system, directly or by way of others; bodies in other
+    languages are given their arguments once.
+    """
+    given = (
+        value for item in draft.equations.values() if isinstance(item, ExternalCall) for _, value in item.arguments
+    )
+    decisive = {*draft.decisive, *(name for value in given for name in signals_read(value))}
+    pending = list(decisive)
+    while pending:
+        equation = draft.equations.get(pending.pop())
+        more = set(equation.reads) - decisive if isinstance(equation, SubmodelEquation) else set[str]()
+        decisive |= more
+        pending.extend(more)
+    return tuple(item.name for item in constants if item.name in decisive)
 
 
 def _computed_first(
@@ -152,7 +170,7 @@ def _compute_initial_values(draft: Draft, constants: set[str]) -> None:
 
 def _faults(draft: Draft, expression: Expression) -> bool:
     """Whether the evaluation of an expression over parameters ends in a fault."""
-    return (may_fault(expression) or not is_defined_everywhere(expression)) and draft.value_of(expression) is None
+    return (may_fault(expression) or not is_defined_everywhere(expression)) and draft.probed(expression) is None
 
 
 def _reads_time(expression: Expression) -> bool:

@@ -1,4 +1,4 @@
-"""Makes parameters of the program of what a sweep varies, so one compiled program serves all its values."""
+"""Which programs a sweep needs: one serves all values that make no difference but in numbers."""
 
 from __future__ import annotations
 
@@ -8,60 +8,14 @@ from itertools import product
 from math import prod
 from typing import TYPE_CHECKING, Protocol
 
-from cspdiag.base.record import record, replaced
-from cspdiag.network.ir.equations import SubmodelEquation
-from cspdiag.network.ir.expressions import LiteralValue, TunableValue
-from cspdiag.network.ir.network import CoreNetwork, Environment, ProgramParameter
+from cspdiag.base.record import record
+from cspdiag.network.ir.expressions import LiteralValue
+from cspdiag.network.ir.network import Environment
 from cspdiag.network.ir.walk import parts
+from cspdiag.network.lower.promoted import with_parameters
 
 if TYPE_CHECKING:
     from cspdiag.sweep.axes import Grid
-
-
-def can_be_promoted(environment: Environment | None, path: str) -> bool:
-    """Whether a path is that of a parameter in the environment whose value is a number that is read when it starts."""
-    return any(item.name == path for item in _literal_constants(environment))
-
-
-def _literal_constants(environment: Environment | None) -> list[SubmodelEquation]:
-    system = None if environment is None else environment.system
-    return [] if system is None else [item for item in system.constants if isinstance(item.value, LiteralValue)]
-
-
-def promoted(network: CoreNetwork, environment: Environment | None, paths: Iterable[str]) -> CoreNetwork:
-    """The network of one environment in which these parameters of instances are parameters of the program."""
-    if environment is None:
-        return network
-    made, added = _with_parameters(environment, paths)
-    if not added:
-        return network
-    return replaced(
-        network,
-        parameters=(*network.parameters, *added),
-        environments=tuple(made if entry.name == environment.name else entry for entry in network.environments),
-    )
-
-
-def _with_parameters(
-    environment: Environment, paths: Iterable[str]
-) -> tuple[Environment, tuple[ProgramParameter, ...]]:
-    """The environment in which these parameters of instances are parameters of the program, and those parameters."""
-    chosen = {item.name: item for item in _literal_constants(environment) if item.name in set(paths)}
-    if environment.system is None or not chosen:
-        return environment, ()
-    added = []
-    for item in chosen.values():
-        assert isinstance(item.value, LiteralValue)
-        added.append(
-            ProgramParameter(name=item.name, doc=item.doc, span=item.span, type=item.type, value=item.value.value)
-        )
-    constants = tuple(
-        replaced(item, value=TunableValue(type=item.type, name=item.name, of_program=True, span=item.span))
-        if item.name in chosen
-        else item
-        for item in environment.system.constants
-    )
-    return replaced(environment, system=replaced(environment.system, constants=constants)), tuple(added)
 
 
 @record
@@ -132,7 +86,7 @@ def _combinations(grid: Grid, axes: Sequence[int]) -> Iterator[dict[str, str]]:
 
 def _structure(environment: Environment, paths: Sequence[str]) -> object:
     """What is equal for two environments that differ in nothing but the values of these parameters."""
-    same, added = _with_parameters(environment, paths)
+    same, added = with_parameters(environment, paths)
     # Zeros of both signs are equal, but have different quotients.
     zeros = tuple(
         repr(part.value)
