@@ -5,9 +5,10 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 MODEL  := models/jiwy/jiwy.csp
 VSCODE := editors/vscode
+STUDIO := studio
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test hunt check bench fmt docs pictures cases grammar vscode test-vscode pictures-vscode clean
+.PHONY: help setup run test hunt check bench fmt docs pictures cases grammar vscode test-vscode pictures-vscode studio test-studio clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -83,6 +84,12 @@ pictures-vscode: vscode $(VSCODE)/test/e2e/node_modules/.stamp ## Make the pictu
 	cd $(VSCODE) && SCREENSHOTS=build/screenshots npm run --silent test:e2e
 	$(BIN)/python distribution/editor_pictures.py $(VSCODE)/build/screenshots
 
+studio: $(STUDIO)/node_modules/.stamp ## Build the page of the studio: studio/build; needs node and npm
+	cd $(STUDIO) && npm run --silent check && npm run --silent build
+
+test-studio: $(VENV)/.stamp-dev studio ## Test that page in chromium
+	$(BIN)/pytest -rs tests/studio/test_page.py
+
 clean: ## Remove .venv, build/ and the caches
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
@@ -105,6 +112,10 @@ third-party/VERSIONS: distribution/third_party.py | $(VENV)/.stamp-dev
 
 $(VSCODE)/node_modules/.stamp: $(VSCODE)/package-lock.json
 	cd $(VSCODE) && npm ci --no-audit --no-fund
+	@touch $@
+
+$(STUDIO)/node_modules/.stamp: $(STUDIO)/package-lock.json
+	cd $(STUDIO) && npm ci --no-audit --no-fund
 	@touch $@
 
 # Its own scripts would also fetch from GitHub, as root only if forced, what the test does without: Kerberos, full-text search.

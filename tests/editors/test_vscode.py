@@ -75,11 +75,11 @@ def test_it_highlights_every_keyword() -> None:
 
 
 def test_the_page_of_the_diagram_knows_every_colour() -> None:
-    style = (FOLDER / "src" / "webview" / "page.css").read_text()
+    page, diagram = ((FOLDER / "src" / "webview" / name).read_text() for name in ("page.css", "diagram.css"))
     for ink in Ink:
-        assert f".fill-{ink.value} {{\n  fill: var(--{ink.value});" in style
-        assert f".stroke-{ink.value} {{\n  stroke: var(--{ink.value});" in style
-        assert f"\n  --{ink.value}: " in style
+        assert f".fill-{ink.value} {{\n  fill: var(--{ink.value});" in diagram
+        assert f".stroke-{ink.value} {{\n  stroke: var(--{ink.value});" in diagram
+        assert f"\n  --{ink.value}: " in page
 
 
 def filled(body: str | list[str]) -> str:

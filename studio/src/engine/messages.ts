@@ -1,0 +1,236 @@
+/** What the page and an engine say to each other; docs/design/studio.md is the reference. Times are nanoseconds. */
+
+export interface Position {
+  line: number;
+  character: number;
+}
+
+/** A range of a file, as the Language Server Protocol counts it: from zero, in UTF-16. */
+export interface Place {
+  file: string;
+  start: Position;
+  end: Position;
+}
+
+export interface Program {
+  files: Record<string, string>;
+  main: string;
+}
+
+export interface Model extends Program {
+  name: string;
+  title: string;
+}
+
+export interface Edit {
+  place: Place;
+  text: string;
+}
+
+export interface Fix {
+  title: string;
+  edits: Edit[];
+}
+
+export interface Finding {
+  severity: string;
+  code: string | null;
+  message: string;
+  help?: string | null;
+  place: Place | null;
+  related: { message: string; place: Place }[];
+  fixes: Fix[];
+}
+
+export interface EnvironmentInfo {
+  name: string;
+  inputs: string[];
+  outputs: string[];
+}
+
+export interface ParameterInfo {
+  name: string;
+  type: string;
+  unit?: string | null;
+  value: unknown;
+  low?: number | null;
+  high?: number | null;
+  place?: Place | null;
+}
+
+export interface Assertion {
+  text: string;
+  place: Place;
+}
+
+export interface CheckResult {
+  diagnostics: Finding[];
+  top?: string | null;
+  environments: EnvironmentInfo[];
+  processes: { path: string; name: string; place: Place }[];
+  parameters: ParameterInfo[];
+  assertions: Assertion[];
+}
+
+export interface CompletionItem {
+  label: string;
+  kind: string;
+  detail?: string | null;
+  documentation?: string | null;
+  insert?: string | null;
+  start?: Position | null;
+  end?: Position | null;
+}
+
+export interface DrawnElement {
+  id: string;
+  kind: string;
+  name: string;
+  places?: Place[];
+  /** Of a process: as runs name it. */
+  path?: string | null;
+  /** Of a process: what it is an instance of. */
+  definition?: string | null;
+  /** Of ports, channels and stores: the channels of runs that it stands for. */
+  channels?: string[] | null;
+}
+
+export interface DrawResult {
+  svg: string;
+  elements: DrawnElement[];
+  /** What is drawn: a definition, or the path of an instance. */
+  of: string;
+  /** The definition that is drawn. */
+  name: string;
+  definitions: string[];
+}
+
+export interface Waiting {
+  process: string;
+  channels: string[];
+  for?: string | null;
+}
+
+export interface Step {
+  kind?: string;
+  time?: number | null;
+  text: string;
+  channel?: string | null;
+  writer?: string | null;
+  reader?: string | null;
+  value?: unknown;
+  waiting?: Waiting[] | null;
+}
+
+export interface Counterexample {
+  steps: Step[];
+  final?: unknown;
+}
+
+export interface Answer {
+  assertion: string;
+  place?: Place | null;
+  verdict: string;
+  text: string;
+  suggestion?: Fix | null;
+  counterexample?: Counterexample | null;
+}
+
+export interface Signal {
+  name: string;
+  direction: string;
+  type: string;
+  unit?: string | null;
+  /** Whether a hand may take it over. */
+  hand: boolean;
+}
+
+export interface StartResult {
+  session: string;
+  environment?: string | null;
+  signals: Signal[];
+  processes: { path: string; name: string }[];
+  channels: unknown[];
+  parameters?: ParameterInfo[] | null;
+  until?: number | null;
+}
+
+export interface Communication {
+  t: number;
+  channel: string;
+  writer?: string | null;
+  reader?: string | null;
+  value?: unknown;
+}
+
+export interface Mode {
+  t: number;
+  path: string;
+  mode: string;
+}
+
+export type Value = number | boolean | string | null;
+
+export interface Frame {
+  session: string;
+  from: number;
+  to: number;
+  signals: Record<string, { t: number[]; v: Value[] }>;
+  communications?: Communication[];
+  omitted?: number | null;
+  modes?: Mode[];
+  started?: (string | { t?: number; path: string })[];
+  ended?: (string | { t?: number; path: string })[];
+  waiting?: Waiting[];
+}
+
+export interface Ended {
+  session: string;
+  at: number;
+  reason: string;
+  text: string;
+  waiting?: Waiting[] | null;
+}
+
+export interface Hello {
+  engine: string;
+  version: string;
+  able?: Record<string, boolean>;
+  models: Model[];
+  program?: Program | null;
+}
+
+type At = { place: { file: string } & Position } & Program;
+
+/** Parameters and result of each request. */
+export interface Requests {
+  hello: { params: Record<string, never>; result: Hello };
+  check: { params: Program; result: CheckResult };
+  complete: { params: At; result: CompletionItem[] };
+  hover: { params: At; result: { markdown: string; place?: Place | null } | null };
+  definition: { params: At; result: Place[] };
+  format: { params: { text: string }; result: { text: string } };
+  draw: { params: Program & { view: string; of?: string; depth?: number }; result: DrawResult };
+  explain: { params: { code: string }; result: { markdown: string } };
+  verify: { params: Program & { only?: string }; result: Answer[] };
+  compile: { params: Program & { target: string; level?: string }; result: { files: Record<string, string> } };
+  start: {
+    params: Program & { environment?: string; set?: Record<string, string>; real_time?: boolean };
+    result: StartResult;
+  };
+  play: { params: { session: string; speed: number }; result: unknown };
+  pause: { params: { session: string }; result: { now: number } };
+  stop: { params: { session: string }; result: unknown };
+  step: { params: { session: string; by: "communication" | "instant"; count?: number }; result: { now: number } };
+  input: { params: { session: string; name: string; value: number | boolean | null }; result: unknown };
+  tune: { params: { session: string; name: string; value: unknown }; result: unknown };
+  state: { params: { session: string }; result: { now: number; running: string[]; waiting: Waiting[] } };
+}
+
+export type Method = keyof Requests;
+
+export interface Notifications {
+  frame: Frame;
+  ended: Ended;
+  log: { text: string };
+}

@@ -1,0 +1,48 @@
+/** The two ways to an engine: a worker of this page, and a WebSocket of the machine that served it. */
+
+import type { Connect } from "./engine";
+
+export const worker: Connect = (receive, lost) => {
+  const there = new Worker("worker.js");
+  there.addEventListener("message", (event: MessageEvent<unknown>) => receive(event.data));
+  there.addEventListener("error", (event) => {
+    event.preventDefault();
+    lost(event.message === "" ? "the engine in the browser is not part of this page" : event.message);
+  });
+  return { send: (message) => there.postMessage(message) };
+};
+
+export function socket(token: string): Connect {
+  return (receive, lost) => {
+    const url = new URL(`engine?token=${encodeURIComponent(token)}`, location.href);
+    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+    url.hash = "";
+    const there = new WebSocket(url);
+    const early: string[] = [];
+    there.addEventListener("open", () => {
+      for (const message of early.splice(0)) {
+        there.send(message);
+      }
+    });
+    there.addEventListener("message", (event: MessageEvent<string>) => receive(JSON.parse(event.data)));
+    there.addEventListener("close", (event) => {
+      lost(event.reason === "" ? "the engine has ended, or the connection to it is lost" : event.reason);
+    });
+    return {
+      send: (message) => {
+        const text = JSON.stringify(message);
+        if (there.readyState === WebSocket.CONNECTING) {
+          early.push(text);
+        } else {
+          there.send(text);
+        }
+      },
+    };
+  };
+}
+
+/** The way that the address of this page asks for. */
+export function chosen(): Connect {
+  const token = new URLSearchParams(location.search).get("token");
+  return token === null ? worker : socket(token);
+}

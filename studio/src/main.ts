@@ -1,0 +1,232 @@
+/** The page: brings its parts together. */
+
+import { Diagram } from "./diagram/diagram";
+import { Editor } from "./editor/editor";
+import { Problems } from "./editor/problems";
+import { Connection } from "./engine/engine";
+import type { Fix, Model, Place, Program } from "./engine/messages";
+import { chosen } from "./engine/transports";
+import { button, element, options, settled } from "./page/dom";
+import { markdown } from "./page/markdown";
+import { theme } from "./page/theme";
+import { tabs } from "./page/views";
+import { decoded, encoded } from "./program/link";
+import { Workspace } from "./program/workspace";
+import { Proofs } from "./proofs/proofs";
+import { RunPanel } from "./run/panel";
+import { Session } from "./run/session";
+
+/** Milliseconds without a key until the program is checked and drawn. */
+const PAUSE = 150;
+
+const status = element("engine", HTMLElement);
+const models = element("models", HTMLSelectElement);
+const files = element("files", HTMLElement);
+const dialog = element("dialog", HTMLDialogElement);
+const message = element("message", HTMLElement);
+const layout = element("layout", HTMLElement);
+
+const workspace = new Workspace();
+const engine = new Connection(chosen(), (reason) => say(status, `The engine is gone: ${reason}.`, true));
+const diagram = new Diagram(engine, workspace, go);
+const session = new Session(engine);
+const run = new RunPanel(session, workspace, diagram);
+const proofs = new Proofs(engine, workspace, diagram, go, fix);
+const problems = new Problems({ go, fix, explain: (code) => void explain(code) });
+const editor = new Editor(element("editor", HTMLElement), {
+  changed: (file, text) => workspace.write(file, text),
+  cursor: (file, at) => diagram.light(file, at),
+  complete: async (file, at) => {
+    return engine.request("complete", { ...workspace.sources(), place: { file, ...at } }).catch(() => []);
+  },
+  hover: async (file, at) => {
+    const found = await engine.request("hover", { ...workspace.sources(), place: { file, ...at } }).catch(() => null);
+    return found?.markdown;
+  },
+  definition: async (file, at) => {
+    const found = await engine.request("definition", { ...workspace.sources(), place: { file, ...at } }).catch(() => []);
+    return found[0];
+  },
+  go,
+  fix,
+  format: () => void format(),
+});
+const showPart = tabs(element("parts", HTMLElement), (view) => (layout.dataset["part"] = view));
+const showSide = tabs(element("sides", HTMLElement), (view) => (layout.dataset["side"] = view));
+
+function say(where: HTMLElement, text: string, bad = false): void {
+  where.textContent = text;
+  where.classList.toggle("bad", bad);
+}
+
+/** Tells something for some seconds. */
+const quiet = settled(4000, () => say(message, ""));
+function tell(text: string): void {
+  say(message, text);
+  quiet();
+}
+
+function go(place: Place): void {
+  showFile(place.file);
+  showPart("text");
+  editor.goTo(place);
+}
+
+function showFile(name: string): void {
+  const text = workspace.program.files[name];
+  if (text === undefined || editor.shown === name) {
+    return;
+  }
+  workspace.shown = name;
+  editor.show(name, text);
+  paintFiles();
+}
+
+function paintFiles(): void {
+  const names = Object.keys(workspace.program.files).filter((name) => name.endsWith(".csp"));
+  files.replaceChildren(
+    ...names.map((name) => button(name, () => showFile(name), { "aria-pressed": String(name === workspace.shown) })),
+  );
+}
+
+function fix({ edits }: Fix): void {
+  for (const file of new Set(edits.map((edit) => edit.place.file))) {
+    showFile(file);
+    editor.change(edits.filter((edit) => edit.place.file === file));
+  }
+}
+
+async function explain(code: string): Promise<void> {
+  try {
+    const { markdown: text } = await engine.request("explain", { code });
+    element("dialog-body", HTMLElement).replaceChildren(markdown(text));
+    dialog.showModal();
+  } catch (problem) {
+    tell(problem instanceof Error ? problem.message : String(problem));
+  }
+}
+
+async function format(): Promise<void> {
+  const before = editor.text;
+  try {
+    const { text } = await engine.request("format", { text: before });
+    if (editor.text === before) {
+      editor.replace(text);
+    }
+  } catch (problem) {
+    tell(problem instanceof Error ? problem.message : String(problem));
+  }
+}
+
+let checking = false;
+/** The version of the program whose check is under way or done. */
+let checked = -1;
+
+async function check(): Promise<void> {
+  if (checking || checked === workspace.version) {
+    return;
+  }
+  checking = true;
+  checked = workspace.version;
+  diagram.draw();
+  try {
+    const result = await engine.request("check", workspace.sources());
+    problems.show(result.diagnostics);
+    if (checked === workspace.version) {
+      editor.mark(result.diagnostics);
+    }
+    run.checked(result);
+    proofs.show(result.assertions);
+  } catch (problem) {
+    tell(problem instanceof Error ? problem.message : String(problem));
+  }
+  checking = false;
+  await check();
+}
+
+const checkSoon = settled(PAUSE, () => void check());
+
+async function open(program: Program): Promise<void> {
+  workspace.open(program);
+  editor.clear();
+  editor.show(program.main, program.files[program.main] ?? "");
+  paintFiles();
+  diagram.reset();
+  await run.reset();
+  await check();
+}
+
+async function share(): Promise<void> {
+  history.replaceState(null, "", await encoded(workspace.program));
+  try {
+    await navigator.clipboard.writeText(location.href);
+    tell("The link is copied; it holds the whole program.");
+  } catch {
+    tell("The address of this page now holds the whole program.");
+  }
+}
+
+function offer(known: readonly Model[]): void {
+  options(models, [["", "Examples"], ...known.map((model) => [model.name, model.title] as const)]);
+  models.addEventListener("change", () => {
+    const model = known.find((each) => each.name === models.value);
+    if (model !== undefined) {
+      history.replaceState(null, "", location.pathname + location.search);
+      void open(model);
+    }
+  });
+}
+
+async function opened(known: readonly Model[], given: Program | undefined): Promise<void> {
+  let linked: Program | undefined;
+  try {
+    linked = await decoded(location.hash);
+  } catch (problem) {
+    tell(problem instanceof Error ? problem.message : String(problem));
+  }
+  const first = linked ?? given ?? known.find((model) => model.name === "jiwy") ?? known[0];
+  if (first !== undefined) {
+    models.value = "name" in first && typeof first.name === "string" ? first.name : "";
+    await open(first);
+  }
+}
+
+function listen(): void {
+  workspace.onChange(checkSoon);
+  element("share", HTMLButtonElement).addEventListener("click", () => void share());
+  element("format", HTMLButtonElement).addEventListener("click", () => void format());
+  element("dialog-close", HTMLButtonElement).addEventListener("click", () => dialog.close());
+  window.addEventListener("hashchange", () => {
+    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program)), (problem: unknown) => tell(String(problem)));
+  });
+  window.addEventListener("keydown", (event) => {
+    const acts: Record<string, () => void> = {
+      F5: () => void run.toggle(),
+      F10: () => void run.forward(),
+      F9: () => void session.back(),
+    };
+    const act = event.ctrlKey || event.altKey || event.metaKey ? undefined : acts[event.key];
+    if (act !== undefined) {
+      event.preventDefault();
+      act();
+    }
+  });
+  theme(() => run.repaint());
+  showPart("text");
+  showSide("run");
+}
+
+async function begin(): Promise<void> {
+  listen();
+  say(status, "Starting the engine …");
+  try {
+    const hello = await engine.request("hello", {});
+    say(status, hello.engine === "machine" ? `On this machine · ${hello.version}` : `In this browser · ${hello.version}`);
+    offer(hello.models);
+    await opened(hello.models, hello.program ?? undefined);
+  } catch (problem) {
+    say(status, `The engine did not start: ${problem instanceof Error ? problem.message : String(problem)}.`, true);
+  }
+}
+
+void begin();

@@ -1,0 +1,41 @@
+/** The program that is open: its files, and which of them is shown. */
+
+import type { Program } from "../engine/messages";
+
+export class Workspace {
+  private listeners: (() => void)[] = [];
+  program: Program = { files: {}, main: "" };
+  shown = "";
+  /** Grows with each change. */
+  version = 0;
+
+  open(program: Program): void {
+    this.program = { files: { ...program.files }, main: program.main };
+    this.shown = program.main;
+    this.changed();
+  }
+
+  write(file: string, text: string): void {
+    if (this.program.files[file] !== text) {
+      this.program = { ...this.program, files: { ...this.program.files, [file]: text } };
+      this.changed();
+    }
+  }
+
+  /** The program without the pictures beside it, which the compiler does not read. */
+  sources(): Program {
+    const files = Object.entries(this.program.files).filter(([name]) => !name.endsWith(".svg"));
+    return { files: Object.fromEntries(files), main: this.program.main };
+  }
+
+  onChange(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
+  private changed(): void {
+    this.version += 1;
+    for (const listener of this.listeners) {
+      listener();
+    }
+  }
+}

@@ -1,0 +1,102 @@
+/** Assertions and their answers; a counterexample is shown as a film in the diagram. */
+
+import type { Diagram } from "../diagram/diagram";
+import type { Engine } from "../engine/engine";
+import type { Answer, Assertion, Counterexample, Fix, Place } from "../engine/messages";
+import { button, element, h } from "../page/dom";
+import type { Workspace } from "../program/workspace";
+import { Film } from "./film";
+
+const SIGNS: Record<string, string> = { holds: "✓", fails: "✗", unknown: "?" };
+
+export class Proofs {
+  private readonly room = element("assertions", HTMLElement);
+  private readonly note = element("proof-note", HTMLElement);
+  private readonly prove = element("prove", HTMLButtonElement);
+  private readonly film: Film;
+  private assertions: Assertion[] = [];
+  private answers: Answer[] = [];
+  private version = -1;
+
+  constructor(
+    private readonly engine: Engine,
+    private readonly workspace: Workspace,
+    diagram: Diagram,
+    private readonly go: (place: Place) => void,
+    private readonly fix: (fix: Fix) => void,
+  ) {
+    this.film = new Film(element("film", HTMLElement), diagram);
+    this.prove.addEventListener("click", () => void this.ask());
+  }
+
+  /** The assertions of the program as it is now; answers for another text are not kept. */
+  show(assertions: Assertion[]): void {
+    this.assertions = assertions;
+    if (this.version !== this.workspace.version) {
+      this.answers = [];
+      this.film.close();
+      this.say("");
+    }
+    this.paint();
+  }
+
+  private async ask(): Promise<void> {
+    this.prove.disabled = true;
+    this.say("Proving …");
+    const version = this.workspace.version;
+    try {
+      const answers = await this.engine.request("verify", this.workspace.sources());
+      if (version === this.workspace.version) {
+        [this.answers, this.version] = [answers, version];
+      }
+      this.say("");
+    } catch (problem) {
+      this.say(problem instanceof Error ? problem.message : String(problem));
+    }
+    this.prove.disabled = false;
+    this.paint();
+  }
+
+  private say(text: string): void {
+    this.note.textContent = text;
+    this.note.hidden = text === "";
+  }
+
+  private paint(): void {
+    if (this.answers.length > 0) {
+      this.room.replaceChildren(...this.answers.map((answer) => this.answered(answer)));
+      return;
+    }
+    const rows = this.assertions.map(({ text, place }) =>
+      h("li", {}, h("span", { class: "verdict", "aria-hidden": "true" }, "·"), button(text, () => this.go(place), { class: "link" })),
+    );
+    const none = h("li", { class: "hint" }, "This program asserts nothing. Write ", h("code", {}, "assert Name deadlock free"), " at its end.");
+    this.room.replaceChildren(...(rows.length > 0 ? rows : [none]));
+  }
+
+  private answered(answer: Answer): HTMLElement {
+    const { suggestion, counterexample, place } = answer;
+    const title =
+      place == null ? h("b", {}, answer.assertion) : button(answer.assertion, () => this.go(place), { class: "link" });
+    return h(
+      "li",
+      { class: answer.verdict },
+      h("span", { class: "verdict", "aria-hidden": "true" }, SIGNS[answer.verdict] ?? "?"),
+      h(
+        "div",
+        {},
+        title,
+        h("span", { class: "word" }, answer.verdict),
+        h("p", {}, answer.text),
+        counterexample == null || counterexample.steps.length === 0
+          ? undefined
+          : button("Show the counterexample", () => this.play(answer.assertion, counterexample)),
+        suggestion == null ? undefined : button(suggestion.title, () => this.fix(suggestion)),
+      ),
+    );
+  }
+
+  private play(title: string, counterexample: Counterexample): void {
+    this.film.open(title, counterexample);
+  }
+}

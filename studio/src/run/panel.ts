@@ -1,0 +1,245 @@
+/** The part of the page that runs the program: its buttons, its pictures, its past. */
+
+import type { Diagram } from "../diagram/diagram";
+import type { CheckResult, ParameterInfo } from "../engine/messages";
+import { button, element, options } from "../page/dom";
+import type { Workspace } from "../program/workspace";
+import { Hand } from "./hand";
+import { Modes } from "./modes";
+import { Parameters } from "./parameters";
+import { Plant, pictureOf } from "./plant";
+import { Plots } from "./plots";
+import type { Session } from "./session";
+import { clock } from "./track";
+import * as waits from "./waits";
+
+/** How long a stretch of time the plots show while the run goes on, in nanoseconds. */
+const WINDOW = 10e9;
+/** A communication is marked for this long after it, in nanoseconds of the program. */
+const FLASH = 100e6;
+const MOST_SHOWN = 8;
+
+export class RunPanel {
+  private readonly environment = element("environment", HTMLSelectElement);
+  private readonly speed = element("speed", HTMLSelectElement);
+  private readonly run = element("run-button", HTMLButtonElement);
+  private readonly step = element("step", HTMLButtonElement);
+  private readonly back = element("back", HTMLButtonElement);
+  private readonly stop = element("stop", HTMLButtonElement);
+  private readonly scrub = element("scrub", HTMLInputElement);
+  private readonly time = element("time", HTMLOutputElement);
+  private readonly note = element("run-note", HTMLElement);
+  private readonly events = element("events", HTMLElement);
+  private readonly empty = element("run-empty", HTMLElement);
+  private readonly plantRoom = element("plant", HTMLElement);
+  private readonly plots: Plots;
+  private readonly modes = new Modes(element("modes", HTMLElement));
+  private readonly plant: Plant;
+  private readonly hand: Hand;
+  private readonly parameters: Parameters;
+  private known: ParameterInfo[] = [];
+  private ranVersion = -1;
+  private painting = false;
+  private begun: unknown;
+
+  constructor(
+    private readonly session: Session,
+    private readonly workspace: Workspace,
+    private readonly diagram: Diagram,
+  ) {
+    this.plots = new Plots(element("plots", HTMLElement), (at) => void this.look(at));
+    this.plant = new Plant(this.plantRoom);
+    this.hand = new Hand(element("hand", HTMLElement), (name, value) => session.input(name, value));
+    this.parameters = new Parameters(element("parameters", HTMLElement), (parameter, value) => session.tune(parameter, value));
+    this.run.addEventListener("click", () => void this.toggle());
+    this.step.addEventListener("click", () => void this.forward());
+    this.back.addEventListener("click", () => void session.back());
+    this.stop.addEventListener("click", () => void session.stop());
+    this.speed.addEventListener("change", () => {
+      if (session.phase === "playing") {
+        void session.play(Number(this.speed.value));
+      }
+    });
+    this.environment.addEventListener("change", () => void this.reset());
+    this.scrub.addEventListener("input", () => void this.look(this.scrub.valueAsNumber * 1e6));
+    session.onChange(() => this.soon());
+    this.soon();
+  }
+
+  /** What the check found of environments and parameters. */
+  checked(result: CheckResult): void {
+    const names = result.environments.map((each) => [each.name, each.name] as const);
+    options(this.environment, names.length === 0 ? [["", "none"]] : names);
+    if (JSON.stringify(result.parameters) !== JSON.stringify(this.known)) {
+      this.known = result.parameters;
+      this.parameters.open(this.known);
+    }
+    this.preview();
+  }
+
+  /** Another program is opened. */
+  async reset(): Promise<void> {
+    this.begun = undefined;
+    this.modes.clear();
+    this.plots.open([], this.session.recording);
+    this.hand.open([]);
+    await this.session.leave();
+    this.preview();
+  }
+
+  /** The picture of the plant stands still as long as nothing runs. */
+  private preview(): void {
+    if (this.session.started === undefined) {
+      this.plantRoom.hidden = !this.plant.open(pictureOf(this.workspace.program, this.environment.value), []);
+    }
+  }
+
+  repaint(): void {
+    this.plots.repaint();
+    this.soon();
+  }
+
+  async toggle(): Promise<void> {
+    if (this.session.phase === "playing") {
+      await this.session.pause();
+    } else if (await this.ready()) {
+      await this.session.play(Number(this.speed.value));
+    }
+  }
+
+  async forward(): Promise<void> {
+    if (await this.ready()) {
+      await this.session.step();
+    }
+  }
+
+  async look(at: number): Promise<void> {
+    await this.session.pause();
+    this.session.look(at);
+  }
+
+  /** Whether a run is there that can continue: of a changed program, and after the end, a new one begins. */
+  private async ready(): Promise<boolean> {
+    const { session } = this;
+    const over = session.phase === "ended" && session.live;
+    if (session.started !== undefined && !over && this.ranVersion === this.workspace.version) {
+      return true;
+    }
+    this.ranVersion = this.workspace.version;
+    return session.start(this.workspace.sources(), this.environment.value, this.speed.value === "1");
+  }
+
+  /** Paints once in each frame of the screen, however much has happened. */
+  private soon(): void {
+    if (!this.painting) {
+      this.painting = true;
+      requestAnimationFrame(() => {
+        this.painting = false;
+        this.paint();
+      });
+    }
+  }
+
+  private paint(): void {
+    const { session } = this;
+    const { phase, recording, started } = session;
+    if (started !== undefined && this.begun !== started) {
+      this.begun = started;
+      this.modes.clear();
+      this.plots.open(started.signals, recording);
+      this.hand.open(started.signals);
+      const names = started.signals.map((signal) => signal.name);
+      this.plantRoom.hidden = !this.plant.open(pictureOf(this.workspace.program, started.environment ?? this.environment.value), names);
+    }
+    this.run.textContent = phase === "playing" ? "Pause" : phase === "ended" ? "Again" : phase === "paused" ? "Resume" : "Run";
+    this.run.disabled = phase === "starting";
+    const any = started !== undefined;
+    this.back.disabled = !any || session.shown <= 0;
+    this.stop.disabled = !any || phase === "ended";
+    this.empty.hidden = any || session.problem !== "";
+    this.showTime();
+    this.showNote();
+    if (!any) {
+      this.diagram.mark({ running: [], waiting: [], communicating: [] });
+      this.events.replaceChildren();
+      return;
+    }
+    const at = session.shown;
+    const to = session.live ? Math.max(recording.now, 1e6) : Math.max(at, Math.min(recording.now, at + WINDOW / 2));
+    const from = Math.max(0, to - WINDOW);
+    this.plots.show(from, Math.max(to, from + 1e6), at);
+    this.modes.show(recording, from, Math.max(to, from + 1e6), at);
+    this.plant.show((name) => recording.tracks.get(name)?.at(at));
+    this.markDiagram(at);
+    if (phase === "playing") {
+      this.hand.poll();
+      this.soon();
+    }
+  }
+
+  private showTime(): void {
+    const { session } = this;
+    const milliseconds = session.recording.now / 1e6;
+    this.scrub.max = String(milliseconds);
+    this.scrub.disabled = session.started === undefined;
+    this.scrub.value = String(session.shown / 1e6);
+    this.scrub.setAttribute("aria-valuetext", clock(session.shown));
+    this.time.textContent = session.live ? clock(session.shown) : `${clock(session.shown)} of ${clock(session.recording.now)}`;
+  }
+
+  private showNote(): void {
+    const { session } = this;
+    const { ended, problem } = session;
+    const stale = session.started !== undefined && this.ranVersion !== this.workspace.version;
+    const key = `${problem}|${ended?.text ?? ""}|${ended?.reason ?? ""}|${stale}`;
+    if (this.note.dataset["key"] === key) {
+      return;
+    }
+    this.note.dataset["key"] = key;
+    this.note.className = "note";
+    this.note.replaceChildren();
+    if (problem !== "") {
+      this.note.classList.add("bad");
+      this.note.append(problem);
+    } else if (ended !== undefined) {
+      this.note.classList.toggle("bad", ended.reason === "deadlock" || ended.reason === "fault");
+      this.note.append(ended.text === "" ? `The run has ended: ${ended.reason}.` : ended.text);
+      if (ended.waiting != null && ended.waiting.length > 0) {
+        this.note.append(waits.list(ended.waiting));
+      }
+    } else if (stale) {
+      this.note.append("This is a run of the text as it was. ", button("Run the new text", () => void this.again()));
+    }
+    this.note.hidden = this.note.childNodes.length === 0;
+  }
+
+  private async again(): Promise<void> {
+    await this.session.leave();
+    await this.toggle();
+  }
+
+  private markDiagram(at: number): void {
+    const { recording, phase } = this.session;
+    const recent = recording.communications.between(Math.max(at - FLASH, 0), at);
+    const last = phase === "playing" ? recent : recent.filter((each) => each.t === recent.at(-1)?.t);
+    this.diagram.mark({
+      running: recording.runningAt(at),
+      waiting: phase === "playing" ? [] : [...recording.waitingAt(at)],
+      communicating: [...new Set(last.map((each) => each.what.channel))],
+    });
+    const shown = recording.communications.between(0, at).slice(-MOST_SHOWN).reverse();
+    this.events.replaceChildren(
+      ...shown.map(({ t, what }) => {
+        const row = document.createElement("li");
+        const parts = [clock(t), what.channel, what.value === undefined ? "" : text(what.value)];
+        row.append(...parts.map((part) => Object.assign(document.createElement("span"), { textContent: part })));
+        row.title = `${what.writer ?? "the environment"} → ${what.reader ?? "the environment"}`;
+        return row;
+      }),
+    );
+  }
+}
+
+function text(value: unknown): string {
+  return typeof value === "number" ? String(Number(value.toPrecision(5))) : typeof value === "string" ? value : JSON.stringify(value);
+}

@@ -1,0 +1,184 @@
+/** Plots of the signals, one for each unit, which follow the run and show the instant that one looks at. */
+
+import uPlot from "uplot";
+import type { Signal } from "../engine/messages";
+import { h } from "../page/dom";
+import type { Recording } from "./recording";
+import type { Track } from "./track";
+
+/** How many colours --series-1 … there are. */
+const COLOURS = 8;
+const HEIGHT = 132;
+
+interface Group {
+  title: string;
+  signals: Signal[];
+}
+
+/** Signals by what they can be compared with: their unit, and whether they are numbers. */
+export function groups(signals: readonly Signal[]): Group[] {
+  const found = new Map<string, Group>();
+  for (const signal of signals) {
+    const unit = unitOf(signal);
+    const kind = /^(?:double|float)/.test(signal.type) ? "" : /^bool/.test(signal.type) ? "yes or no" : signal.type.replace(/<.*/, "");
+    const title = unit !== "" ? unit : kind !== "" ? kind : "without unit";
+    const group = found.get(title) ?? { title, signals: [] };
+    found.set(title, group);
+    group.signals.push(signal);
+  }
+  return [...found.values()];
+}
+
+export function unitOf(signal: { type: string; unit?: string | null }): string {
+  return signal.unit ?? /<(.*)>/.exec(signal.type)?.[1] ?? "";
+}
+
+function colour(name: string): string {
+  const probe = h("span", { class: "probe" });
+  probe.style.color = `var(${name})`;
+  document.body.append(probe);
+  const found = getComputedStyle(probe).color;
+  probe.remove();
+  return found;
+}
+
+interface Shown {
+  plot: uPlot;
+  tracks: Track[];
+  values: HTMLElement[];
+}
+
+export class Plots {
+  private shown: Shown[] = [];
+  private signals: readonly Signal[] = [];
+  private recording: Recording | undefined;
+
+  constructor(
+    private readonly room: HTMLElement,
+    private readonly look: (at: number) => void,
+  ) {
+    new ResizeObserver(() => {
+      for (const { plot } of this.shown) {
+        plot.setSize({ width: this.width(), height: HEIGHT });
+      }
+    }).observe(room);
+  }
+
+  /** Plots for the signals of a run, in the present colours. */
+  open(signals: readonly Signal[], recording: Recording): void {
+    [this.signals, this.recording] = [signals, recording];
+    for (const { plot } of this.shown) {
+      plot.destroy();
+    }
+    this.room.replaceChildren();
+    this.shown = groups(signals).map((group) => this.made(group, recording));
+  }
+
+  /** The same plots in other colours. */
+  repaint(): void {
+    if (this.recording !== undefined) {
+      this.open(this.signals, this.recording);
+    }
+  }
+
+  private width(): number {
+    return Math.max(this.room.clientWidth, 200);
+  }
+
+  private made({ title, signals }: Group, recording: Recording): Shown {
+    const values = signals.map(() => h("output", {}));
+    const keys = signals.map((signal, index) => {
+      const swatch = h("i", { class: `swatch series-${(index % COLOURS) + 1}`, "aria-hidden": "true" });
+      return h("li", {}, swatch, h("span", {}, signal.name), values[index]);
+    });
+    const place = h("div", { class: "canvas" });
+    const names = signals.map((signal) => signal.name).join(", ");
+    this.room.append(
+      h("figure", { class: "plot", "aria-label": `Plot of ${names}` }, h("figcaption", {}, h("b", {}, title), h("ul", {}, ...keys)), place),
+    );
+    const axis = { stroke: colour("--faint"), grid: { stroke: colour("--grid"), width: 1 }, ticks: { show: false } };
+    const font = "11px system-ui, sans-serif";
+    const plot = new uPlot(
+      {
+        width: this.width(),
+        height: HEIGHT,
+        padding: [6, 8, 0, 0],
+        legend: { show: false },
+        cursor: { sync: { key: "run" }, drag: { x: false, y: false }, points: { show: false }, y: false },
+        scales: { x: { time: false }, y: { range: (_, low, high) => around(low, high) } },
+        axes: [
+          { ...axis, font, size: 22, gap: 2, values: (_, splits) => splits.map((at) => `${at}`) },
+          { ...axis, font, size: 46, gap: 4 },
+        ],
+        series: [
+          {},
+          ...signals.map((signal, index) => ({
+            label: signal.name,
+            stroke: colour(`--series-${(index % COLOURS) + 1}`),
+            width: 1.5,
+            points: { show: false },
+            ...(uPlot.paths.stepped === undefined ? {} : { paths: uPlot.paths.stepped({ align: 1 }) }),
+          })),
+        ],
+        hooks: { draw: [(drawn) => this.line(drawn)] },
+      },
+      [[], ...signals.map(() => [])],
+      place,
+    );
+    plot.over.addEventListener("click", () => {
+      const left = plot.cursor.left ?? -1;
+      if (left >= 0) {
+        this.look(plot.posToVal(left, "x") * 1e9);
+      }
+    });
+    return { plot, tracks: signals.map((signal) => recording.tracks.get(signal.name)).filter((track) => track !== undefined), values };
+  }
+
+  private at = 0;
+
+  /** The line at the instant that is shown. */
+  private line(plot: uPlot): void {
+    const x = plot.valToPos(this.at / 1e9, "x", true);
+    const { left, top, width, height } = plot.bbox;
+    if (x < left || x > left + width) {
+      return;
+    }
+    plot.ctx.save();
+    plot.ctx.strokeStyle = colour("--accent");
+    plot.ctx.lineWidth = devicePixelRatio;
+    plot.ctx.beginPath();
+    plot.ctx.moveTo(x, top);
+    plot.ctx.lineTo(x, top + height);
+    plot.ctx.stroke();
+    plot.ctx.restore();
+  }
+
+  /** Shows a stretch of time, and the values at an instant. */
+  show(from: number, to: number, at: number): void {
+    this.at = at;
+    for (const { plot, tracks, values } of this.shown) {
+      const count = Math.max(Math.round(plot.width / 2), 50);
+      const x: number[] = [];
+      for (let column = 0; column < count; column++) {
+        x.push((from + ((to - from) * column) / count) / 1e9, (from + ((to - from) * (column + 0.5)) / count) / 1e9);
+      }
+      plot.setData([x, ...tracks.map((track) => track.columns(from, to, count))], false);
+      plot.setScale("x", { min: from / 1e9, max: to / 1e9 });
+      tracks.forEach((track, index) => {
+        const value = values[index];
+        if (value !== undefined) {
+          value.textContent = track.textAt(at);
+        }
+      });
+    }
+  }
+}
+
+/** A range around what there is to see, with some air. */
+export function around(low: number | null, high: number | null): [number, number] {
+  if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) {
+    return [-1, 1];
+  }
+  const air = high > low ? (high - low) * 0.08 : Math.max(Math.abs(high) * 0.1, 0.5);
+  return [low - air, high + air];
+}

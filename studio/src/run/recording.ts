@@ -1,0 +1,173 @@
+/** What a run has done so far, so that one can go back to any instant of it. */
+
+import type { Communication, Frame, Mode, Waiting } from "../engine/messages";
+import { Track, lastAt } from "./track";
+
+/** Events are forgotten, the oldest half of them, beyond this number. */
+const MOST = 100_000;
+
+interface Dated<T> {
+  t: number;
+  what: T;
+}
+
+/** Things that happen, in their order. */
+export class Log<T> {
+  readonly times: number[] = [];
+  readonly items: T[] = [];
+
+  add(t: number, item: T): void {
+    this.times.push(t);
+    this.items.push(item);
+    if (this.times.length > MOST) {
+      this.times.splice(0, MOST / 2);
+      this.items.splice(0, MOST / 2);
+    }
+  }
+
+  /** The last at or before an instant. */
+  at(time: number): T | undefined {
+    return this.items[lastAt(this.times, this.times.length, time)];
+  }
+
+  /** All from one instant to another, both included. */
+  between(from: number, to: number): Dated<T>[] {
+    const found: Dated<T>[] = [];
+    for (let i = lastAt(this.times, this.times.length, to); i >= 0 && (this.times[i] ?? 0) >= from; i--) {
+      found.push({ t: this.times[i] ?? 0, what: this.items[i] as T });
+    }
+    return found.reverse();
+  }
+}
+
+/** A stretch of time in which a process was in a mode. */
+export interface Span {
+  from: number;
+  to: number;
+  mode: string;
+}
+
+export class Recording {
+  readonly tracks = new Map<string, Track>();
+  readonly communications = new Log<Communication>();
+  private readonly running = new Log<ReadonlySet<string>>();
+  private readonly waiting = new Log<readonly Waiting[]>();
+  readonly modes = new Map<string, Log<string>>();
+  /** The latest instant. */
+  now = 0;
+  /** How many communications were not reported. */
+  omitted = 0;
+
+  constructor(signals: readonly string[]) {
+    for (const name of signals) {
+      this.tracks.set(name, new Track());
+    }
+  }
+
+  add(frame: Frame): void {
+    for (const [name, { t, v }] of Object.entries(frame.signals)) {
+      this.track(name).push(t, v);
+    }
+    for (const each of frame.communications ?? []) {
+      this.communications.add(each.t, each);
+    }
+    this.omitted += frame.omitted ?? 0;
+    for (const mode of frame.modes ?? []) {
+      this.addMode(mode);
+    }
+    this.addRunning(frame);
+    if (frame.waiting !== undefined) {
+      this.waiting.add(frame.to, frame.waiting);
+    }
+    this.now = Math.max(this.now, frame.to);
+  }
+
+  private track(name: string): Track {
+    const known = this.tracks.get(name);
+    if (known !== undefined) {
+      return known;
+    }
+    const made = new Track();
+    this.tracks.set(name, made);
+    return made;
+  }
+
+  private addMode({ t, path, mode }: Mode): void {
+    const log = this.modes.get(path) ?? new Log<string>();
+    this.modes.set(path, log);
+    if (log.items.at(-1) !== mode) {
+      log.add(t, mode);
+    }
+  }
+
+  private addRunning(frame: Frame): void {
+    const started = frame.started ?? [];
+    const ended = frame.ended ?? [];
+    if (started.length + ended.length === 0) {
+      return;
+    }
+    const now = new Set(this.running.items.at(-1));
+    const dated = (each: string | { t?: number; path: string }, on: boolean) =>
+      typeof each === "string" ? { t: frame.to, path: each, on } : { t: each.t ?? frame.to, path: each.path, on };
+    const events = [...started.map((each) => dated(each, true)), ...ended.map((each) => dated(each, false))];
+    for (const { t, path, on } of events.sort((one, other) => one.t - other.t || Number(one.on) - Number(other.on))) {
+      if (on) {
+        now.add(path);
+      } else {
+        now.delete(path);
+      }
+      this.running.add(t, new Set(now));
+    }
+  }
+
+  /** The deadlock or end, which comes after the last frame. */
+  end(at: number, waiting: readonly Waiting[]): void {
+    this.now = Math.max(this.now, at);
+    if (waiting.length > 0) {
+      this.waiting.add(this.now, waiting);
+    }
+  }
+
+  runningAt(time: number): string[] {
+    return [...(this.running.at(time) ?? [])];
+  }
+
+  waitingAt(time: number): readonly Waiting[] {
+    return this.waiting.at(time) ?? [];
+  }
+
+  modeAt(path: string, time: number): string | undefined {
+    return this.modes.get(path)?.at(time);
+  }
+
+  /** What a process was in, from one instant to another. */
+  spans(path: string, from: number, to: number): Span[] {
+    const log = this.modes.get(path);
+    if (log === undefined) {
+      return [];
+    }
+    const found: Span[] = [];
+    for (let i = log.times.length - 1; i >= 0; i--) {
+      const start = log.times[i] ?? 0;
+      const end = log.times[i + 1] ?? Infinity;
+      if (end >= from && start <= to) {
+        found.push({ from: Math.max(start, from), to: Math.min(end, to, this.now), mode: log.items[i] ?? "" });
+      }
+      if (start < from) {
+        break;
+      }
+    }
+    return found.reverse();
+  }
+
+  /** The instant of the last communication before one; that of the first record if there is none. */
+  before(time: number): number {
+    return this.communications.times[lastAt(this.communications.times, this.communications.times.length, time - 1)] ?? 0;
+  }
+
+  /** The instant of the next recorded communication after one. */
+  after(time: number): number | undefined {
+    const { times } = this.communications;
+    return times[lastAt(times, times.length, time) + 1];
+  }
+}

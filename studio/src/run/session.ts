@@ -1,0 +1,192 @@
+/** A run of the program on the engine, what was recorded of it, and the instant that the page shows. */
+
+import type { Engine } from "../engine/engine";
+import type { Ended, Frame, ParameterInfo, Program, StartResult } from "../engine/messages";
+import { Recording } from "./recording";
+
+export type Phase = "idle" | "starting" | "playing" | "paused" | "ended";
+
+export class Session {
+  phase: Phase = "idle";
+  started: StartResult | undefined;
+  recording = new Recording([]);
+  ended: Ended | undefined;
+  problem = "";
+  /** The instant that is shown; undefined: the latest. */
+  private looked: number | undefined;
+  private listeners: (() => void)[] = [];
+  private readonly sent = new Map<string, number | boolean | null>();
+  private sending = false;
+
+  constructor(private readonly engine: Engine) {
+    engine.on("frame", (frame) => this.frame(frame));
+    engine.on("ended", (ended) => this.end(ended));
+  }
+
+  onChange(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
+  /** The instant that the page shows. */
+  get shown(): number {
+    return this.looked ?? this.recording.now;
+  }
+
+  get live(): boolean {
+    return this.looked === undefined;
+  }
+
+  /** Begins a run of the program as it is now; it stands at its first instant. */
+  async start(program: Program, environment: string, realTime: boolean): Promise<boolean> {
+    await this.leave();
+    this.phase = "starting";
+    this.problem = "";
+    this.changed();
+    try {
+      const chosen = environment === "" ? {} : { environment };
+      this.started = await this.engine.request("start", { ...program, ...chosen, ...(realTime ? { real_time: true } : {}) });
+    } catch (problem) {
+      this.fail(problem);
+      return false;
+    }
+    this.recording = new Recording(this.started.signals.map((signal) => signal.name));
+    this.phase = "paused";
+    this.looked = undefined;
+    this.changed();
+    return true;
+  }
+
+  /** Continues; speed 1 is real time, 0 as fast as it goes. */
+  async play(speed: number): Promise<void> {
+    if (this.started === undefined || this.ended !== undefined) {
+      return;
+    }
+    this.looked = undefined;
+    this.phase = "playing";
+    this.changed();
+    await this.ask(() => this.engine.request("play", { session: this.session, speed }));
+  }
+
+  async pause(): Promise<void> {
+    if (this.phase === "playing") {
+      this.phase = "paused";
+      this.changed();
+      await this.ask(() => this.engine.request("pause", { session: this.session }));
+    }
+  }
+
+  /** To the next communication: in what is recorded if one has gone back, otherwise by the program. */
+  async step(): Promise<void> {
+    await this.pause();
+    const next = this.looked === undefined ? undefined : this.recording.after(this.looked);
+    if (next !== undefined) {
+      this.look(next);
+    } else if (this.ended === undefined && this.started !== undefined) {
+      this.looked = undefined;
+      await this.ask(() => this.engine.request("step", { session: this.session, by: "communication" }));
+    }
+  }
+
+  /** To the communication before. */
+  async back(): Promise<void> {
+    await this.pause();
+    this.look(this.recording.before(this.shown));
+  }
+
+  /** Shows an instant of what was recorded; the latest is live. */
+  look(at: number): void {
+    this.looked = at >= this.recording.now ? undefined : Math.max(at, 0);
+    this.changed();
+  }
+
+  /** Ends the run; what was recorded stays. */
+  async stop(): Promise<void> {
+    if (this.started !== undefined && this.ended === undefined) {
+      await this.ask(() => this.engine.request("stop", { session: this.session }));
+      this.phase = "ended";
+      this.changed();
+    }
+  }
+
+  /** Ends the run and forgets it. */
+  async leave(): Promise<void> {
+    const before = this.started;
+    const running = before !== undefined && this.ended === undefined && this.phase !== "ended";
+    this.started = undefined;
+    this.ended = undefined;
+    this.phase = "idle";
+    this.looked = undefined;
+    this.problem = "";
+    this.sent.clear();
+    this.recording = new Recording([]);
+    this.changed();
+    if (running) {
+      await this.engine.request("stop", { session: before.session }).catch(() => undefined);
+    }
+  }
+
+  /** Takes an input over, or gives it back to the environment by null; of many values in a frame the last is sent. */
+  input(name: string, value: number | boolean | null): void {
+    this.sent.set(name, value);
+    if (!this.sending) {
+      this.sending = true;
+      requestAnimationFrame(() => {
+        this.sending = false;
+        const values = [...this.sent];
+        this.sent.clear();
+        if (this.started !== undefined && this.phase !== "ended") {
+          for (const [each, to] of values) {
+            void this.ask(() => this.engine.request("input", { session: this.session, name: each, value: to }));
+          }
+        }
+      });
+    }
+  }
+
+  tune(parameter: ParameterInfo, value: unknown): void {
+    if (this.started !== undefined && this.phase !== "ended") {
+      void this.ask(() => this.engine.request("tune", { session: this.session, name: parameter.name, value }));
+    }
+  }
+
+  private get session(): string {
+    return this.started?.session ?? "";
+  }
+
+  private async ask(request: () => Promise<unknown>): Promise<void> {
+    try {
+      await request();
+    } catch (problem) {
+      this.problem = problem instanceof Error ? problem.message : String(problem);
+      this.changed();
+    }
+  }
+
+  private fail(problem: unknown): void {
+    this.phase = "idle";
+    this.problem = problem instanceof Error ? problem.message : String(problem);
+    this.changed();
+  }
+
+  private frame(frame: Frame): void {
+    if (frame.session === this.started?.session) {
+      this.recording.add(frame);
+      this.changed();
+    }
+  }
+
+  private end(ended: Ended): void {
+    if (ended.session === this.started?.session) {
+      this.ended = ended;
+      this.phase = "ended";
+      this.recording.end(ended.at, ended.waiting ?? []);
+      this.changed();
+    }
+  }
+
+  private changed(): void {
+    for (const listener of this.listeners) {
+      listener();
+    }
+  }
+}

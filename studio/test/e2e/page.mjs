@@ -1,0 +1,57 @@
+// Opens the page in a browser, with an engine of this machine or the scripted one.
+import { mkdirSync } from "node:fs";
+import path from "node:path";
+import { chromium } from "playwright-core";
+import { serve } from "../../dev/server.mjs";
+
+const HERE = import.meta.dirname;
+/** How the tests are called: the pytest test sets these. */
+const PYTHON = process.env.PYTHON ?? path.join(HERE, "../../../.venv/bin/python");
+const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+
+export const REAL = [PYTHON, "-m", "cspdiag.studio.engine"];
+export const SCRIPTED = [process.execPath, path.join(HERE, "scripted.mjs")];
+export const HOSTILE = [...SCRIPTED, "hostile"];
+
+export class Studio {
+  static async start(command) {
+    const studio = new Studio();
+    studio.server = await serve({ command });
+    studio.browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
+    return studio;
+  }
+
+  /** A page whose diagram is drawn; what it complains about is in `complaints`. */
+  async open({ width = 1600, height = 900, colorScheme = "light", hash = "" } = {}) {
+    const page = await this.browser.newPage({ viewport: { width, height }, colorScheme, hasTouch: width < 500 });
+    page.setDefaultTimeout(20_000);
+    page.complaints = [];
+    page.on("pageerror", (error) => page.complaints.push(error.message));
+    await page.goto(`${this.server.address}${hash}`);
+    await page.locator("#ui-diagram svg").waitFor({ state: "attached" });
+    return page;
+  }
+
+  async close() {
+    await this.browser.close();
+    await this.server.close();
+  }
+}
+
+/** What the text has become. */
+export function text(page) {
+  return page.locator(".cm-content").evaluate((content) => content.cmTile?.view?.state.doc.toString() ?? content.innerText);
+}
+
+/** Replaces the whole text. */
+export async function write(page, program) {
+  await page.locator(".cm-content").click();
+  await page.keyboard.press("Control+a");
+  await page.keyboard.insertText(program);
+}
+
+export async function screenshot(page, name) {
+  if (process.env.SCREENSHOTS === undefined) return;
+  mkdirSync(process.env.SCREENSHOTS, { recursive: true });
+  await page.screenshot({ path: path.join(process.env.SCREENSHOTS, `${name}.png`) });
+}

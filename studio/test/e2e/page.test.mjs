@@ -1,0 +1,179 @@
+// The page alone, with an engine whose answers are written down.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { after, before, test } from "node:test";
+import { HOSTILE, SCRIPTED, Studio, screenshot, write } from "./page.mjs";
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+let studio;
+
+before(async () => {
+  studio = await Studio.start(SCRIPTED);
+});
+after(() => studio.close());
+
+const time = async (page) => parseFloat(await page.locator("#ui-time").textContent());
+
+test("a mistake is shown with its help, both ends and what mends it", async () => {
+  const page = await studio.open();
+  await write(page, "process Pair {\n  left : A\n  slip : B\n}\n");
+  const problem = page.locator("#ui-problems li");
+  await problem.waitFor();
+  assert.match(await problem.textContent(), /E0204.*no value slip.*pair\.csp:3:3.*did you mean left.*declared here.*pair\.csp:2:3/s);
+  await page.locator(".cm-lintRange-error").waitFor();
+  await page.getByRole("button", { name: "E0204" }).click();
+  await page.getByRole("dialog").getByText("not declared").waitFor();
+  await page.keyboard.press("Escape");
+  await problem.getByRole("button", { name: "write left" }).click();
+  await page.getByText("No problems").waitFor();
+  assert.deepEqual(page.complaints, []);
+  await page.close();
+});
+
+test("the diagram leads to the text, and the cursor lights the diagram", async () => {
+  const page = await studio.open();
+  await page.locator("#Pair-right").click();
+  await page.locator("#Pair-right.lit").waitFor();
+  await page.keyboard.press("ArrowUp");
+  await page.locator("#Pair-left.lit").waitFor();
+  await page.locator("#Pair-right").focus();
+  const width = () => page.locator("#ui-diagram svg").evaluate((svg) => svg.clientWidth);
+  const fitted = await width();
+  await page.keyboard.press("+");
+  assert.ok((await width()) > fitted);
+  await page.keyboard.press("0");
+  assert.equal(await width(), fitted);
+  await page.getByLabel("Find in the diagram").fill("token");
+  await page.locator("#Pair-token.found.present").waitFor({ state: "attached" });
+  await page.close();
+});
+
+test("a stick moves what it drives, from the screen and from the keyboard", async () => {
+  const page = await studio.open();
+  await page.locator("#ui-run-button").click();
+  const pad = page.getByRole("slider", { name: /Stick/ });
+  await pad.focus();
+  for (let i = 0; i < 5; i++) await page.keyboard.press("ArrowRight");
+  const circle = page.locator("#ui-plant circle");
+  await page.waitForFunction((it) => it.getAttribute("transform") === "translate(125 0)", await circle.elementHandle());
+  assert.match(await page.locator("#arm").getAttribute("transform"), /^rotate\(/);
+  const box = await pad.boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.14, box.y + box.height / 2);
+  await page.waitForFunction((it) => it.getAttribute("transform") === "translate(50 0)", await circle.elementHandle());
+  await page.mouse.up();
+  await page.waitForFunction((it) => it.getAttribute("transform") === "translate(100 0)", await circle.elementHandle());
+  await page.close();
+});
+
+test("one can stop, step, go back and scrub", async () => {
+  const page = await studio.open();
+  await page.locator("#ui-step").click();
+  await page.waitForFunction(() => document.querySelector("#ui-time").textContent.startsWith("0.050"));
+  await page.locator("#ui-step").click();
+  await page.locator("#ui-step").click();
+  await page.waitForFunction(() => document.querySelector("#ui-time").textContent.startsWith("0.150"));
+  await page.locator("#ui-back").click();
+  await page.waitForFunction(() => document.querySelector("#ui-time").textContent.startsWith("0.100 s of 0.150"));
+  const before = await page.locator("#ui-plant text").textContent();
+  await page.getByLabel("Instant of the run").fill("10");
+  await page.waitForFunction((text) => document.querySelector("#ui-plant text").textContent !== text, before);
+  await page.locator("#ui-step").click();
+  assert.equal(await time(page), 0.05);
+  await page.close();
+});
+
+test("a deadlock is seen as it happens: who waits for whom", async () => {
+  const page = await studio.open();
+  await page.getByLabel("Speed").selectOption("5");
+  await page.keyboard.press("F5");
+  await page.getByText("Deadlock: no process can continue.").waitFor();
+  assert.equal(await page.locator("#ui-run-note li").first().textContent(), "Pair.left waits to write on token, for right");
+  await page.locator("#Pair-token.waiting").waitFor({ state: "attached" });
+  await screenshot(page, "deadlock");
+  await page.close();
+});
+
+test("a counterexample is a film, and its suggestion mends the text", async () => {
+  const page = await studio.open();
+  await page.getByRole("tab", { name: "Prove" }).click();
+  await page.getByRole("button", { name: "Prove all" }).click();
+  await page.getByRole("button", { name: "Show the counterexample" }).click();
+  await page.locator("#Pair-token.communicating").waitFor({ state: "attached" });
+  await page.keyboard.press("ArrowRight");
+  await page.locator("#Pair-token.waiting").waitFor({ state: "attached" });
+  assert.match(await page.locator("#ui-film .waits").textContent(), /right waits to read/);
+  await screenshot(page, "film");
+  await page.keyboard.press("Escape");
+  await page.getByRole("button", { name: "let right read first" }).click();
+  await page.locator(".cm-line", { hasText: "// mended" }).waitFor();
+  await page.close();
+});
+
+test("a link holds the program", async () => {
+  const page = await studio.open();
+  await write(page, "process Mine {}\n");
+  await page.getByRole("button", { name: "Copy link" }).click();
+  await page.waitForFunction(() => location.hash.startsWith("#code="));
+  const hash = await page.evaluate(() => location.hash);
+  await page.close();
+  const other = await studio.open({ hash });
+  await other.locator(".cm-line", { hasText: "process Mine {}" }).waitFor();
+  await other.close();
+});
+
+for (const [width, height] of [[390, 844], [1024, 768], [1600, 900]]) {
+  for (const colorScheme of ["light", "dark"]) {
+    test(`everything is within reach at ${width} in ${colorScheme}, and axe finds nothing serious`, async () => {
+      const page = await studio.open({ width, height, colorScheme });
+      if (width < 500) await page.getByRole("tab", { name: "Run" }).first().click();
+      await page.locator("#ui-run-button").click();
+      await page.waitForTimeout(900);
+      await page.locator("#ui-run-button").click();
+      await screenshot(page, `run-${width}-${colorScheme}`);
+      const tooWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+      assert.equal(tooWide, false, "the page is wider than the screen");
+      await page.evaluate(AXE);
+      const parts = width < 500 ? ["Text", "Diagram", "Run"] : ["Run"];
+      for (const part of parts) {
+        if (width < 500) await page.getByRole("tab", { name: part }).first().click();
+        const { violations } = await page.evaluate(() => axe.run());
+        const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+        assert.deepEqual(serious.map(({ id, nodes }) => [id, nodes.map((node) => node.html.slice(0, 120))]), [], part);
+        await screenshot(page, `${part.toLowerCase()}-${width}-${colorScheme}`);
+      }
+      assert.deepEqual(page.complaints, []);
+      await page.close();
+    });
+  }
+}
+
+test("hostile texts stay texts, wherever they reach the page", async () => {
+  const hostile = await Studio.start(HOSTILE);
+  const page = await hostile.open();
+  await write(page, "process Pair {\n  left : A\n  slip : B\n}\nassert Pair deadlock free\n");
+  await page.locator("#ui-problems li").waitFor();
+  await page.getByRole("button", { name: "E0204" }).click();
+  await page.keyboard.press("Escape");
+  await page.locator(".cm-line", { hasText: "slip" }).locator("span", { hasText: "slip" }).first().hover();
+  await page.locator(".cm-tooltip").first().waitFor();
+  await page.locator(".cm-content").click();
+  await page.keyboard.press("Control+Space");
+  await page.locator(".cm-tooltip-autocomplete").waitFor();
+  await page.keyboard.press("Escape");
+  await page.getByLabel("Speed").selectOption("5");
+  await page.locator("#ui-run-button").click();
+  await page.locator("#ui-run-note li").first().waitFor();
+  await page.getByRole("tab", { name: "Prove" }).click();
+  await page.getByRole("button", { name: "Prove all" }).click();
+  await page.getByRole("button", { name: "Show the counterexample" }).click();
+  await page.locator("#ui-film .caption").waitFor();
+  await page.locator("#ui-diagram svg > rect").click();
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
+  assert.equal(await page.locator("body img, body script, svg script, svg image, svg a[href], [onclick], [onload], [onerror]").count(), 0);
+  assert.deepEqual(page.complaints, []);
+  await page.close();
+  await hostile.close();
+});

@@ -1,0 +1,98 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { snippet } from "../../src/editor/assistance";
+import { Elements } from "../../src/diagram/elements";
+import { scenes } from "../../src/proofs/film";
+import { axes } from "../../src/run/hand";
+import { bounds } from "../../src/run/parameters";
+import { colourOf, formula, pictureOf } from "../../src/run/plant";
+import { around, groups } from "../../src/run/plots";
+import { sentence } from "../../src/run/waits";
+
+const signal = (name: string, type: string, hand = true) => ({ name, type, direction: "in", hand });
+
+test("a formula is a signal with a factor and a summand", () => {
+  assert.deepEqual(formula("angle"), { signal: "angle", factor: 1, summand: 0 });
+  assert.deepEqual(formula("pan.angle * -57.3 + 10"), { signal: "pan.angle", factor: -57.3, summand: 10 });
+  assert.deepEqual(formula("x - 2"), { signal: "x", factor: 1, summand: -2 });
+  for (const wrong of ["", "2 * x", "x * y", "x; alert(1)", "x * 1e999x"]) {
+    assert.equal(formula(wrong), undefined, wrong);
+  }
+});
+
+test("a colour is that of the highest threshold that is reached", () => {
+  const steps = "0: grey; 0.5: #c00; 1: var(--error)";
+  assert.deepEqual([-1, 0, 0.7, 2].map((value) => colourOf(steps, value)), [undefined, "grey", "#c00", "var(--error)"]);
+  assert.equal(colourOf("0: url(https://example.org)", 1), undefined);
+});
+
+test("the picture is named after the environment or the program", () => {
+  const files = { "jiwy/a.csp": "", "jiwy/a.svg": "program", "jiwy/Bench.svg": "bench" };
+  assert.equal(pictureOf({ files, main: "jiwy/a.csp" }, "Bench"), "bench");
+  assert.equal(pictureOf({ files, main: "jiwy/a.csp" }, "Worn"), "program");
+  assert.equal(pictureOf({ files: { "b.csp": "" }, main: "b.csp" }, "Bench"), undefined);
+});
+
+test("the stick takes the axes that are named like one", () => {
+  const signals = [signal("gain", "double"), signal("stick_vertical", "double"), signal("stick_horizontal", "double")];
+  assert.deepEqual(axes(signals), { x: "stick_horizontal", y: "stick_vertical" });
+  assert.deepEqual(axes([signal("angle", "double<rad>"), signal("on", "bool")]), { x: "", y: "" });
+  assert.deepEqual(axes([signal("free", "double", false)]), { x: "", y: "" });
+});
+
+test("signals with one unit share a plot", () => {
+  const found = groups([signal("a", "double<rad>"), signal("b", "bool"), signal("c", "double<rad>"), signal("d", "double")]);
+  assert.deepEqual(found.map((group) => [group.title, group.signals.length]), [["rad", 2], ["yes or no", 1], ["without unit", 1]]);
+});
+
+test("a plot has air, and a range without values", () => {
+  assert.deepEqual(around(null, null), [-1, 1]);
+  assert.deepEqual(around(0, 100), [-8, 108]);
+  assert.deepEqual(around(0, 0), [-0.5, 0.5]);
+});
+
+test("a slider goes around the value of the text", () => {
+  const parameter = { name: "kp", type: "double" };
+  assert.deepEqual(bounds({ ...parameter, value: 2 }, 2), [0, 4]);
+  assert.deepEqual(bounds({ ...parameter, value: -2 }, -2), [-4, 0]);
+  assert.deepEqual(bounds({ ...parameter, value: 0, high: 5 }, 0), [-1, 5]);
+});
+
+test("what is inside an instance that is not unfolded lights the instance", () => {
+  const elements = new Elements([
+    { id: "1", kind: "process", name: "pan", path: "A.pan", definition: "Joint" },
+    { id: "2", kind: "process", name: "cell", path: "A.cell", definition: "Cell" },
+    { id: "3", kind: "channel", name: "k", channels: ["A.k"] },
+  ]);
+  assert.deepEqual(elements.named("A.pan.align.law"), ["1"]);
+  assert.deepEqual(elements.named("A.cell[3]"), ["2"]);
+  assert.deepEqual([...elements.everyNamed(["A.k", "B.x"])], ["3"]);
+  assert.deepEqual(elements.search("JOINT"), ["1"]);
+});
+
+test("the cursor lights the smallest element around it", () => {
+  const place = (line: number, end: number) => ({ file: "a.csp", start: { line, character: 0 }, end: { line: end, character: 9 } });
+  const elements = new Elements([
+    { id: "1", kind: "process", name: "a", places: [place(0, 9)] },
+    { id: "2", kind: "process", name: "b", places: [place(3, 3)] },
+  ]);
+  assert.deepEqual(elements.at("a.csp", { line: 3, character: 2 }), ["2"]);
+  assert.deepEqual(elements.at("a.csp", { line: 5, character: 2 }), ["1"]);
+  assert.deepEqual(elements.at("b.csp", { line: 3, character: 2 }), []);
+});
+
+test("who waits is said in one sentence", () => {
+  assert.equal(sentence({ process: "a", channels: ["k"], for: "b" }), "a waits on k for b");
+  assert.equal(sentence({ process: "a", channels: ["k"], for: "waits to write" }), "a waits to write");
+  assert.equal(sentence({ process: "a", channels: [] }), "a waits");
+});
+
+test("a film ends with who waits", () => {
+  const waiting = [{ process: "a", channels: [] }];
+  assert.deepEqual(scenes({ steps: [{ text: "one" }], final: { text: "stuck", waiting } }), [{ text: "one" }, { text: "stuck", waiting }]);
+  assert.deepEqual(scenes({ steps: [{ text: "one" }], final: null }), [{ text: "one" }]);
+});
+
+test("snippets are written as the editor has them", () => {
+  assert.equal(snippet("process $1 {\n  ${2:body}\n}$0"), "process ${1} {\n  ${2:body}\n}${}");
+});
