@@ -36,7 +36,8 @@ hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for 
 	$(BIN)/python -m tests.simulate.exits
 	$(BIN)/python -m tests.analyses.timing.hunt --random 5000
 	$(BIN)/python -m tests.conformance.random --count 5000
-	$(BIN)/python -m tests.conformance.random --programs nested --count 2000
+	for programs in nested tuned parametrized; do \
+	    $(BIN)/python -m tests.conformance.random --programs $$programs --count 2000 || exit 1; done
 	for property in deadlock livelock terminates schedulable refines trace; do \
 	    $(BIN)/python -m tests.oracle.hunt --property $$property --count 5000 || exit 1; done
 

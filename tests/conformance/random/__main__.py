@@ -19,12 +19,21 @@ from tests.conformance.random.compare import LEAST, NATIVE, communications, diff
 from tests.conformance.random.known import known
 from tests.conformance.random.meetings import meetings
 from tests.conformance.random.nested import nested
+from tests.conformance.random.parametrized import parametrized
 from tests.conformance.random.parts import parts
+from tests.conformance.random.tuned import tuned
 
 PYTHON = ("python-O0", "python-O1")
 REPORTED = 100
 """The number of differences is reported every time after this number of programs."""
-GENERATORS = {"meetings": meetings, "known": known, "nested": nested, "parts": parts}
+GENERATORS = {
+    "meetings": meetings,
+    "known": known,
+    "nested": nested,
+    "parts": parts,
+    "tuned": tuned,
+    "parametrized": parametrized,
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -68,8 +77,9 @@ def _parser() -> argparse.ArgumentParser:
         "--programs",
         choices=sorted(GENERATORS),
         default="meetings",
-        help="that communicate often, compute with what is known beforehand, nest interrupts whose guards meet, or "
-        "deadlock between parallel parts of a process",
+        help="that communicate often, compute with what is known beforehand, nest interrupts whose guards meet, "
+        "deadlock between parallel parts of a process, or whose parameters change: in laws and arrays of laws, or in "
+        "the place of literals of the others",
     )
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--seconds", type=float, default=None, help="stop after this many seconds")

@@ -10,6 +10,7 @@ from typing import NoReturn
 
 from cspdiag.base import SourceFile
 from tests.conformance.kit import external_channels
+from tests.conformance.random.changes import changes_in
 from tests.conformance.random.nodes import Program
 from tests.conformance.sources import JUST_AFTER, InvalidProgramError, network_of
 from tests.conformance.targets import REFERENCE, TARGETS
@@ -17,7 +18,7 @@ from tests.conformance.traces import compare
 from tests.support.alarm import alarm_after
 
 LIMIT = 60_000_000 + JUST_AFTER
-LONGEST = 60
+LONGEST = 180
 """Seconds after which a run on one target is taken to hang."""
 LEAST = 5
 """Programs with fewer communications are not counted."""
@@ -36,17 +37,19 @@ def communications(text: str) -> int | None:
         network = network_of(SourceFile(name="random.csp", text=text))
     except InvalidProgramError:
         return None
-    return len(REFERENCE.run(network, None, LIMIT).trace)
+    with changes_in(text):
+        return len(REFERENCE.run(network, None, LIMIT).trace)
 
 
 def difference(text: str, names: Sequence[str], compiler: str | None = None, *, sanitized: bool = False) -> str:
     """The first target that behaves differently from the reference, and how; empty if all behave the same."""
     network = network_of(SourceFile(name="random.csp", text=text))
-    expected = REFERENCE.run(network, None, LIMIT)
+    with changes_in(text):
+        expected = REFERENCE.run(network, None, LIMIT)
     for name in names:
         label = name if compiler is None else f"{name} ({compiler}{', sanitized' * sanitized})"
         try:
-            with _within(LONGEST), _environment(CC=compiler, CFLAGS=SANITIZED if sanitized else None):
+            with _within(LONGEST), changes_in(text), _environment(CC=compiler, CFLAGS=SANITIZED if sanitized else None):
                 done = TARGETS[name].run(network, None, LIMIT)
         except Exception as crash:
             return f"{label} fails with {type(crash).__name__}: {str(crash)[:2000]}"
