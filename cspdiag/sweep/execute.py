@@ -15,6 +15,7 @@ from cspdiag.sweep.result import Result, without_measures
 from cspdiag.sweep.workers import Job, Worker
 
 if TYPE_CHECKING:
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Reader
     from cspdiag.sweep.cluster import Cluster
     from cspdiag.sweep.plan import Plan, Variant
@@ -32,13 +33,14 @@ def processors() -> int:
 
 
 class Jobs:
-    """The jobs of the variants of a plan, each made when it is first needed."""
+    """The jobs of the variants of a plan, each made when it is first needed; variants with equal networks share one."""
 
     def __init__(self, plan: Plan, reader: Reader, target: str) -> None:
         self._plan = plan
         self._reader = reader
         self._target = target
         self._known: dict[int, Job | str] = {}
+        self._of_network: dict[CoreNetwork, Job] = {}
         self.seconds = 0.0
         """The time that was spent on compiling."""
         self.reason = ""
@@ -63,9 +65,14 @@ class Jobs:
         if number not in self._known:
             began = time.monotonic()
             variant = self._plan.variant(number)
-            self._known[number] = variant.error if variant.network is None else self._job(variant)
+            self._known[number] = variant.error if variant.network is None else self._shared(variant, variant.network)
             self.seconds += time.monotonic() - began
         return self._known[number]
+
+    def _shared(self, variant: Variant, network: CoreNetwork) -> Job:
+        if network not in self._of_network:
+            self._of_network[network] = self._job(variant)
+        return self._of_network[network]
 
     def _job(self, variant: Variant) -> Job:
         from cspdiag.codegen import target_errors

@@ -88,6 +88,26 @@ def test_a_parameter_that_decides_what_is_compiled_needs_a_program_for_each_valu
     assert list(plan.tunable.values()) == [("room.volume", ())]
 
 
+CHOSEN = HEATER.replace(
+    "const T = 100 ms",
+    """\
+const T = 100 ms
+const narrow = false
+const width = 2.0
+const band = if narrow then width else 0.0
+""",
+).replace("(target - temperature)", "max(target - temperature, band)")
+
+
+def test_values_with_equal_programs_share_one() -> None:
+    plan = planned(CHOSEN, {"narrow": "true,false", "width": "1:4:4"})
+    assert plan.variants == 8
+    jobs = Jobs(plan, read_source, "python")
+    made = [jobs[number] for number in range(8)]
+    assert len({id(job) for job in made}) == 5
+    assert made[4] is made[5] is made[6] is made[7]
+
+
 LATE = """\
 process Main {
   in  level : double @ 10 ms

@@ -99,7 +99,8 @@ def _several_programs(plan: Plan) -> str:
     structural = " and ".join(f"`{name}`" for name in plan.structural_names)
     compiled = " and ".join(f"`{name}`" for name in plan.compiled_names)
     if not structural:
-        count = f"{plan.variants} programs are built"
+        # Values that make no difference together, such as two factors of one constant, share a program.
+        count = f"{'up to ' if len(plan.compiled_names) > 1 else ''}{plan.variants} programs are built"
         return f"{count}, one for each value of {compiled}: what can be a `parameter` needs one only"
     others = f"other ones for some values of {structural}, on which the environment's equations depend"
     each = f"one for each value of {compiled}, and " if compiled else ""
