@@ -15,7 +15,7 @@ from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.deadlock.waiting import WaitingRecord, broadcast_readers
 from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import ROW, SIZE, Kind, PassedRows, channel_of, kinds_of
-from cspdiag.simulate.native.tuning import why_refused
+from cspdiag.simulate.native.tuning import Refusals
 from cspdiag.simulate.record.recorder import Recorder
 
 if TYPE_CHECKING:
@@ -64,8 +64,6 @@ class StreamReader:
     end: EndRecord | None = None
     missed: dict[str, int] = field(default_factory=dict)
     waiting: list[WaitingRecord] = field(default_factory=list)
-    _made: list[Change] = field(default_factory=list)
-    """The changes of parameters that have been made."""
     _channels: dict[int, str] = field(default_factory=dict)
     _processes: dict[int, tuple[str, str]] = field(default_factory=dict)
     _head: tuple[int, ...] = ()
@@ -77,6 +75,7 @@ class StreamReader:
 
     def __post_init__(self) -> None:
         self._types: Mapping[str, Type] = {net.path: net.type for net in self.network.nets}
+        self._refusals = Refusals(self.network)
 
     def read(self) -> None:
         """Read all records, to the end of the stream. Raises EOFError if it ends in the middle of one."""
@@ -201,11 +200,11 @@ class StreamReader:
                 self.now = time
             case Kind.CHANGED if value:
                 change = self.changes[number]
-                self._made.append(change)
+                self._refusals.made(change)
                 self.recorder.changed(time, change.parameter, change.path, change.value)
             case Kind.CHANGED:
                 change = self.changes[number]
-                reason = why_refused(self.network, self._made, change)
+                reason = self._refusals.reason(change)
                 self.recorder.refused.append((change.time, change.parameter, reason))
             case Kind.WAITING_AT:
                 self._take_place(number, first)

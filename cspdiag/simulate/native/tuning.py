@@ -17,6 +17,7 @@ from cspdiag.simulate.native.values import encoded, offset_of, type_at
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.runtime.kernel.parameters import Change
+    from cspdiag.semantics.equations.parameters import Parameters
 
 _HEAD = struct.Struct("=qIIII")
 
@@ -82,16 +83,34 @@ def given_changes(network: CoreNetwork, changes: Iterable[Change], *, live: bool
         yield GivenChanges((), ())
 
 
-def why_refused(network: CoreNetwork, made: Sequence[Change], refused: Change) -> str:
-    """Why a program that has made some changes does not make another one: the reason that the reference semantics give.
+class Refusals:
+    """Why a program does not make a change: the reason that the reference semantics give.
 
-    The program reports only that it has not made it.
+    The program reports only that it has not made it. Each change is made here once, when a reason is asked for.
     """
-    from cspdiag.semantics.equations import parameters as semantics
 
-    changes = [semantics.Change(0, change.parameter, change.path, change.value) for change in (*made, refused)]
-    parameters = semantics.Parameters(network.parameters, changes)
-    return parameters.reach(0)[-1][1]
+    def __init__(self, network: CoreNetwork) -> None:
+        self._network = network
+        self._parameters: Parameters | None = None
+        self._made: list[Change] = []
+        """The changes that the program has made and the reference semantics have not."""
+
+    def made(self, change: Change) -> None:
+        """The program has made this change."""
+        self._made.append(change)
+
+    def reason(self, refused: Change) -> str:
+        """Why it does not make this one."""
+        from cspdiag.semantics.equations import parameters as semantics
+
+        if self._parameters is None:
+            self._parameters = semantics.Parameters(self._network.parameters)
+        changes = [
+            semantics.Change(0, change.parameter, change.path, change.value) for change in (*self._made, refused)
+        ]
+        self._made.clear()
+        self._parameters.coming.extend(changes)
+        return self._parameters.reach(0)[-1][1]
 
 
 class ChangeWriter:
