@@ -34,6 +34,7 @@ hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for 
 	$(BIN)/python -m tests.proofs.hunt --random 20000
 	$(BIN)/python -m tests.proofs.refine.test_random_refinements 10000
 	$(BIN)/python -m tests.simulate.exits
+	$(BIN)/python -m tests.studio.server.load
 	$(BIN)/python -m tests.analyses.timing.hunt --random 5000
 	$(BIN)/python -m tests.conformance.random --count 5000
 	for programs in nested tuned parametrized; do \

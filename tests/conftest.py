@@ -67,8 +67,10 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 
 def _is_kept(thread: threading.Thread) -> bool:
-    """Whether it belongs to the layout engine, which waits for the next drawing."""
-    return thread.name.startswith(("layout", "quickjs-worker"))
+    """Whether it belongs to the layout engine, which waits for the next drawing, or to a server of a fixture, which
+    reads files in it.
+    """
+    return thread.name.startswith(("layout", "quickjs-worker", "AnyIO worker"))
 
 
 def _is_alive(thread: threading.Thread, deadline: float) -> bool:

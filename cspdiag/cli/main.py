@@ -41,6 +41,7 @@ VERBS = {
     "margins": "compute the gain, phase and delay margins of the loops through the plant",
     "draw": "draw communication and composition diagrams",
     "diff": "show what changed between two versions of a program",
+    "studio": "show, edit, prove and run a program in the browser",
     "fmt": "format programs",
     "explain": "show the manual page of a diagnostic",
     "new": "start a project",

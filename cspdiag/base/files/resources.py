@@ -55,6 +55,14 @@ def third_party(*parts: str) -> str | None:
     return path if os.path.isfile(path) else None
 
 
+def studio_page() -> str | None:
+    """The folder with the page of the studio; None if it was not built."""
+    for path in (_place("studio"), _place("studio", "build")):
+        if os.path.isfile(os.path.join(path, "index.html")):
+            return path
+    return None
+
+
 def manual_page_file(*parts: str) -> str:
     """The path of a folder of manual pages, or of a page in it."""
     return _place("manual", *parts)

@@ -8,7 +8,7 @@ import pytest
 
 from tests.cli.conftest import Command
 
-JIWY = Path(__file__).parents[3] / "models/jiwy/jiwy.csp"
+JIWY = Path(__file__).parents[4] / "models/jiwy/jiwy.csp"
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 from cspdiag.draw.layout.elk import engine_available
 from tests.cli.conftest import Command
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 JIWY = ROOT / "models/jiwy/jiwy.csp"
 
 needs_engine = pytest.mark.skipif(

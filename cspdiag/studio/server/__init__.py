@@ -1,0 +1,1 @@
+"""The server of ``cspdiag studio``: one page, its viewers, and the engines that work for them."""

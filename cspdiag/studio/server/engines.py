@@ -1,0 +1,114 @@
+"""Engines that work for the server, each in a process of its own: one may compute for minutes, or be ended."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from asyncio.subprocess import PIPE, Process
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any, Final
+
+MOST_BYTES: Final = 256 * 1024 * 1024
+"""Of one message of an engine: the recording of a long run."""
+
+_PATIENCE = 3.0
+"""Seconds in which an engine is to release the outputs of its program and to end."""
+
+
+class EngineGone(Exception):  # noqa: N818 - it says what is the case
+    """The engine has ended before it answered."""
+
+
+class EngineProcess:
+    """An engine that is asked by ``request`` and reports each notification to ``on_notification``, as text."""
+
+    def __init__(
+        self, command: Sequence[str], folder: str, on_notification: Callable[[str, dict[str, Any]], None]
+    ) -> None:
+        self._command = command
+        self._folder = folder
+        self._on_notification = on_notification
+        self._process: Process | None = None
+        self._reader: asyncio.Task[None] | None = None
+        self._waiting: dict[int, asyncio.Future[dict[str, Any]]] = {}
+        self._requests = 0
+        self._starting = asyncio.Lock()
+
+    @property
+    def runs(self) -> bool:
+        """Whether there is a process."""
+        return self._process is not None
+
+    async def request(self, method: str, params: object) -> dict[str, Any]:
+        """The answer, with ``result`` or ``error``. Raises EngineGone."""
+        async with self._starting:
+            process = self._process or await self._start()
+        self._requests += 1
+        number = self._requests
+        answer: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
+        self._waiting[number] = answer
+        try:
+            assert process.stdin is not None
+            process.stdin.write(json.dumps({"id": number, "method": method, "params": params}).encode() + b"\n")
+            await process.stdin.drain()
+            return await answer
+        except (BrokenPipeError, ConnectionResetError):
+            raise EngineGone from None
+        finally:
+            self._waiting.pop(number, None)
+
+    async def _start(self) -> Process:
+        process = await asyncio.create_subprocess_exec(
+            *self._command, stdin=PIPE, stdout=PIPE, cwd=self._folder, limit=MOST_BYTES, start_new_session=True
+        )
+        self._process = process
+        self._reader = asyncio.create_task(self._read(process))
+        return process
+
+    async def _read(self, process: Process) -> None:
+        assert process.stdout is not None
+        try:
+            while line := await process.stdout.readline():
+                self._take(line.decode())
+        except ValueError:  # A message that is too long.
+            process.kill()
+        finally:
+            if self._process is process:
+                self._process = None
+            for answer in self._waiting.values():
+                if not answer.done():
+                    answer.set_exception(EngineGone())
+
+    def _take(self, line: str) -> None:
+        message = json.loads(line)
+        if "id" not in message:
+            self._on_notification(line, message)
+            return
+        answer = self._waiting.get(message["id"])
+        if answer is not None and not answer.done():
+            answer.set_result(message)
+
+    async def end(self) -> None:
+        """End the process: its program releases its outputs when the input ends; by force if that takes too long."""
+        process, self._process = self._process, None
+        if process is None:
+            return
+        assert process.stdin is not None
+        with suppress(BrokenPipeError, ConnectionResetError):
+            process.stdin.close()
+        for force in (process.terminate, process.kill):
+            try:
+                await asyncio.wait_for(process.wait(), _PATIENCE)
+                break
+            except TimeoutError:
+                with suppress(ProcessLookupError):
+                    force()
+        await process.wait()
+        if self._reader is not None:
+            await self._reader
+
+
+ENGINE: Final = (sys.executable, "-P", "-m", "cspdiag.studio.engine")
+"""What starts an engine."""

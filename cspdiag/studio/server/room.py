@@ -1,0 +1,166 @@
+"""What the viewers of one program share: its engines, the run that they see, and who has the hand.
+
+Questions about a text, work that may take minutes, and the program that runs each have an engine of their own, so that
+none waits for another. One viewer has the hand: it alone starts, steers and stops the program. If it goes, the program
+is stopped, because nobody is at the stick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from cspdiag.studio.server.engines import EngineGone, EngineProcess
+from cspdiag.studio.server.program_files import ProgramFiles, SaveError
+from cspdiag.studio.server.viewer import Viewer
+
+QUESTIONS = frozenset({"hello", "check", "complete", "hover", "definition", "format", "draw", "explain"})
+WORK = frozenset({"verify", "timing", "compile", "run"})
+CONTROL = frozenset({"start", "play", "pause", "step", "input", "tune", "stop"})
+
+MOST_PENDING = 100
+"""Requests of one viewer that may wait for their answers."""
+
+
+class RefusedError(Exception):
+    """A request cannot be answered; the text says why, and ``help`` what to do."""
+
+    def __init__(self, text: str, help: str | None = None) -> None:
+        super().__init__(text)
+        self.help = help
+
+    def as_data(self) -> dict[str, Any]:
+        """The error of a message."""
+        return {"message": str(self), **({"help": self.help} if self.help is not None else {})}
+
+
+class Room:
+    """Answers the requests of viewers."""
+
+    def __init__(self, command: Sequence[str], files: ProgramFiles) -> None:
+        self._command = command
+        self._files = files
+        self.viewers: list[Viewer] = []
+        self._hand: Viewer | None = None
+        self._questions = EngineProcess(command, files.command_folder, lambda text, message: None)
+        self._work = EngineProcess(command, files.command_folder, lambda text, message: None)
+        self._session = self._new_session()
+        self._running: dict[str, Any] | None = None
+        self._own: dict[str, Callable[[Viewer, Any], Any]] = {
+            "take_hand": self._take_hand,
+            "cancel": self._cancel,
+            "save": self._save,
+        }
+
+    def enter(self, viewer: Viewer) -> None:
+        """A page was opened; the first one has the hand."""
+        self.viewers.append(viewer)
+        if self._hand is None:
+            self._hand = viewer
+        self._tell_hand()
+
+    async def leave(self, viewer: Viewer) -> None:
+        """A page is gone. If it had the hand, the program is stopped, and the page that is open longest has it."""
+        self.viewers.remove(viewer)
+        if self._hand is viewer:
+            self._hand = self.viewers[0] if self.viewers else None
+            await self._end_session("the page that controlled it was closed, or its connection was lost")
+        self._tell_hand()
+
+    async def close(self) -> None:
+        """The server ends: the program is stopped, and its outputs are released."""
+        await self._session.end()
+        await self._questions.end()
+        await self._work.end()
+
+    async def answer(self, viewer: Viewer, method: str, params: Any) -> Any:
+        """The result of a request. Raises RefusedError."""
+        if viewer.pending > MOST_PENDING:
+            raise RefusedError("too many requests wait for their answers")
+        if method in self._own:
+            return await self._own[method](viewer, params)
+        if method in CONTROL and viewer is not self._hand:
+            raise RefusedError("another page controls the program", help="take control first")
+        result = await self._ask(self._engine(method), method, params)
+        if method == "hello":
+            able = {**result.get("able", {}), "save": True}
+            result = {**result, "able": able, "program": self._files.load(), **self._hand_of(viewer)}
+            if self._running is not None:
+                result["running"] = self._running
+        if method == "start":
+            self._started(viewer, params, result)
+        return result
+
+    def _engine(self, method: str) -> EngineProcess:
+        if method in QUESTIONS:
+            return self._questions
+        if method in WORK:
+            return self._work
+        if method in CONTROL or method == "state":
+            return self._session
+        raise RefusedError("there is no such method")
+
+    async def _ask(self, engine: EngineProcess, method: str, params: Any) -> Any:
+        try:
+            message = await engine.request(method, params)
+        except EngineGone:
+            raise RefusedError(
+                "the engine has ended before it answered", help="ask again: another one begins"
+            ) from None
+        if "error" in message:
+            error = message["error"]
+            raise RefusedError(error.get("message", "unknown"), error.get("help"))
+        return message["result"]
+
+    def _new_session(self) -> EngineProcess:
+        return EngineProcess(self._command, self._files.command_folder, self._notify)
+
+    def _notify(self, text: str, message: dict[str, Any]) -> None:
+        """Passes a notification of the session on to all pages."""
+        method = message["method"]
+        if method == "ended":
+            self._running = None
+        for viewer in self.viewers:
+            if method == "frame":
+                viewer.send_frame(text, message["params"])
+            else:
+                viewer.send(text)
+
+    def _started(self, hand: Viewer, params: Any, result: dict[str, Any]) -> None:
+        program = {key: params[key] for key in ("files", "main") if key in params}
+        self._running = {**program, **result}
+        for viewer in self.viewers:
+            if viewer is not hand:
+                viewer.send({"method": "started", "params": self._running})
+
+    async def _end_session(self, why: str) -> None:
+        running, self._running = self._running, None
+        session, self._session = self._session, self._new_session()
+        await session.end()
+        if running is not None:
+            ended = {"session": running["session"], "at": None, "reason": "stopped", "text": f"stopped: {why}"}
+            for viewer in self.viewers:
+                viewer.send({"method": "ended", "params": {**ended, "waiting": []}})
+
+    async def _take_hand(self, viewer: Viewer, params: Any) -> dict[str, Any]:
+        self._hand = viewer
+        self._tell_hand()
+        return {}
+
+    async def _cancel(self, viewer: Viewer, params: Any) -> dict[str, Any]:
+        await self._work.end()
+        return {}
+
+    async def _save(self, viewer: Viewer, params: Any) -> dict[str, Any]:
+        try:
+            self._files.save(params.get("file"), params.get("text"), params.get("before"))
+        except SaveError as problem:
+            raise RefusedError(str(problem), problem.help) from None
+        return {}
+
+    def _hand_of(self, viewer: Viewer) -> dict[str, Any]:
+        return {"hand": viewer is self._hand, "viewers": len(self.viewers)}
+
+    def _tell_hand(self) -> None:
+        for viewer in self.viewers:
+            viewer.send({"method": "hand", "params": self._hand_of(viewer)})

@@ -1,0 +1,112 @@
+"""Several pages see one program, one of them controls it, and it ends safely when that page goes."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.studio.server.running_studio import Studio
+
+
+def test_errors_of_engines_are_passed_on(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        with pytest.raises(RuntimeError, match="no"):
+            page.ask("format")
+
+
+def test_an_engine_that_ends_is_replaced(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        with pytest.raises(RuntimeError, match="ended before it answered"):
+            page.ask("explain")
+        assert page.ask("check")["method"] == "check"
+
+
+def test_the_first_page_controls_and_others_see(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        first, second = studio.open(), studio.open()
+        assert first.ask("hello")["hand"]
+        assert second.ask("hello") == {
+            "able": {"save": True},
+            "program": {"files": {"a.csp": "process A() = SKIP\n"}, "main": "a.csp"},
+            "hand": False,
+            "viewers": 2,
+        }
+        with pytest.raises(RuntimeError, match="another page controls"):
+            second.ask("start")
+        first.ask("start", files={"a.csp": "text"}, main="a.csp")
+        assert second.wait_for("started") == {"files": {"a.csp": "text"}, "main": "a.csp", "session": "1"}
+        first.ask("play", session="1")
+        assert first.wait_for("frame")["session"] == second.wait_for("frame")["session"] == "1"
+        third = studio.open()
+        assert third.ask("hello")["running"]["session"] == "1"
+
+
+def test_control_can_be_taken(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        first, second = studio.open(), studio.open()
+        second.ask("take_hand")
+        second.ask("start")
+        with pytest.raises(RuntimeError, match="another page controls"):
+            first.ask("stop")
+
+
+def test_the_program_is_stopped_when_the_page_that_controls_it_goes(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        first, second = studio.open(), studio.open()
+        first.ask("start")
+        first.ask("play", session="1")
+        first.close()
+        ended = second.wait_for("ended")
+        assert ended["reason"] == "stopped"
+        assert "closed" in ended["text"]
+        assert studio.released
+        assert second.ask("hello")["hand"]
+        second.ask("start")
+
+
+def test_the_program_is_stopped_when_the_server_ends(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        page.ask("start")
+        page.ask("play", session="1")
+        studio.end()
+        assert studio.released
+
+
+def test_long_work_does_not_delay_questions_and_can_be_cancelled(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        first, second = studio.open(), studio.open()
+        first.socket.send('{"id": 77, "method": "verify", "params": {"seconds": 60}}')
+        began = time.monotonic()
+        assert second.ask("check")["method"] == "check"
+        second.ask("cancel")
+        answer = first.receive()
+        while "id" not in answer:
+            answer = first.receive()
+        assert answer["id"] == 77
+        assert "error" in answer
+        assert time.monotonic() - began < 50
+
+
+def test_a_page_that_reads_nothing_slows_nobody(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        slow = studio.open(max_queue=1)
+        fast = studio.open()
+        fast.ask("take_hand")
+        fast.ask("start")
+        fast.ask("play", session="1")
+        last = 0
+        while last < 3_000_000_000:
+            frame = fast.wait_for("frame")
+            assert frame["from"] == last or last == 0
+            assert "thinned" not in frame
+            last = frame["to"] + 1_000_000
+        viewer = studio.room.viewers[0]
+        assert viewer.waiting < 50
+        received = 0
+        while received < last - 1_000_000:
+            received = slow.wait_for("frame")["to"]

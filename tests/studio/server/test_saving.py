@@ -1,0 +1,86 @@
+"""The studio saves the files of its program, and nothing else."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cspdiag.studio.server.program_files import ProgramFiles
+from tests.studio.server.running_studio import Studio
+
+BEFORE = "process A() = SKIP\n"
+
+
+def _saved(page: Any, file: object, text: object, before: object = BEFORE) -> str:
+    try:
+        page.ask("save", file=file, text=text, before=before)
+    except RuntimeError as problem:
+        return str(problem)
+    return "saved"
+
+
+def test_a_file_is_saved_as_often_as_one_likes(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        page.ask("hello")
+        texts = (BEFORE, "process B() = SKIP\n", "process C() = SKIP\n")
+        for before, text in pairwise(texts):
+            assert _saved(page, "a.csp", text, before) == "saved"
+            assert studio.program.read_text(encoding="utf-8") == text
+
+
+def test_line_ends_of_the_file_are_kept(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        studio.program.write_bytes(b"a\r\nb\r\n")
+        page = studio.open()
+        page.ask("hello")
+        assert _saved(page, "a.csp", "a\nc\n", "a\nb\n") == "saved"
+        assert studio.program.read_bytes() == b"a\r\nc\r\n"
+
+
+def test_a_file_that_was_changed_meanwhile_is_not_overwritten(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        page.ask("hello")
+        studio.program.write_text("changed\n", encoding="utf-8")
+        studio.open().ask("hello")
+        assert "has changed on disk" in _saved(page, "a.csp", "x")
+        assert studio.program.read_text(encoding="utf-8") == "changed\n"
+
+
+@pytest.mark.parametrize("file", ["../a.csp", "/etc/passwd", "page/index.html", "", None, 5, "a.csp\0"])
+def test_other_files_are_refused(tmp_path: Path, file: object) -> None:
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        page.ask("hello")
+        assert _saved(page, file, "x") != "saved"
+
+
+def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        page.ask("hello")
+        assert "surrogate" in _saved(page, "a.csp", "\ud800")
+        assert _saved(page, "a.csp", 5) == "`file` and `text` are texts"
+
+
+def test_imported_files_and_what_lies_beside_belong_to_the_program(tmp_path: Path) -> None:
+    folder = tmp_path / "own programs"
+    (folder / "library").mkdir(parents=True)
+    texts = {
+        "main.csp": 'import "library/parts.csp"\nimport "nothing.csp"\n',
+        "library/parts.csp": 'import "../../shared.csp"\n',
+        "library/law.py": "class Law: ...\n",
+        "main.svg": "<svg/>\n",
+        "notes.txt": "not a part of it\n",
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    (tmp_path / "shared.csp").write_text('import "own programs/main.csp"\n', encoding="utf-8")
+    program = ProgramFiles(folder / "main.csp").load()
+    assert program["main"] == "own programs/main.csp"
+    own = {f"own programs/{name}": text for name, text in texts.items() if name != "notes.txt"}
+    assert program["files"] == {"shared.csp": 'import "own programs/main.csp"\n', **own}
