@@ -28,8 +28,8 @@ class ThirdParty(BuildHookInterface):  # type: ignore[type-arg]
             self.app.display_warning(f"cspdiag draw will not work: {problem}")
         else:
             included[str(third_party.FOLDER)] = "cspdiag/_resources/third-party"
-        if (STUDIO / "index.html").is_file():
-            included[str(STUDIO)] = "cspdiag/_resources/studio"
+        if (STUDIO / "main.js").is_file():
+            included[str(STUDIO)] = "cspdiag/_resources/studio/build"
         elif version != "editable":
             self.app.display_warning("cspdiag studio will not work: run `make studio` before building")
         if self.target_name == "wheel" and version != "editable":

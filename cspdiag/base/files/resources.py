@@ -57,10 +57,8 @@ def third_party(*parts: str) -> str | None:
 
 def studio_page() -> str | None:
     """The folder with the page of the studio; None if it was not built."""
-    for path in (_place("studio"), _place("studio", "build")):
-        if os.path.isfile(os.path.join(path, "index.html")):
-            return path
-    return None
+    path = _place("studio", "build")
+    return path if os.path.isfile(os.path.join(path, "main.js")) else None
 
 
 def manual_page_file(*parts: str) -> str:

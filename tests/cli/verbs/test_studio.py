@@ -82,3 +82,9 @@ def test_a_signal_ends_it(page: Path, tmp_path: Path, number: signal.Signals, co
         rest = studio.stderr.read()
     assert studio.returncode == code
     assert "Traceback" not in rest
+
+
+def test_the_page_is_what_was_built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    built = Path(resources.__file__).parents[3] / "studio" / "build"
+    assert resources.studio_page() == (str(built) if (built / "main.js").exists() else None)
