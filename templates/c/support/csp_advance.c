@@ -277,7 +277,7 @@ int64_t csp_next(csp_kernel *csp)
 void csp_hand_over(csp_kernel *csp, int64_t instant)
 {
     if (runs(csp) && (csp_next(csp) >= instant)) {
-        (void)csp_outputs_meet(csp, instant, instant);
+        csp_outputs_meet(csp, instant);
     }
 }
 

@@ -225,7 +225,8 @@ static int64_t hand_over(csp_kernel *csp, const csp_port *first, int64_t instant
     return next;
 }
 
-int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
+/* Returns the next tick of an output; INT64_MAX: none. */
+static inline int64_t outputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
 {
     const csp_port *const ports = csp->program->ports;
     const uint32_t end = (CSP_USES_LATCHED_OUTPUTS != 0) ? csp->outputs.to : 0U;
@@ -238,6 +239,11 @@ int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant, int64_t present)
         }
     }
     return next;
+}
+
+void csp_outputs_meet(csp_kernel *csp, int64_t instant)
+{
+    (void)outputs_meet(csp, instant, instant);
 }
 
 bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present)
@@ -253,7 +259,7 @@ bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present)
             csp->next_grid = instant + (ticks_passed(csp, instant, csp->grid, present) * csp->grid);
         }
     }
-    const int64_t next_output = csp_outputs_meet(csp, instant, present);
+    const int64_t next_output = outputs_meet(csp, instant, present);
     csp->next_tick = earlier(earlier(next_input, next_output), csp->next_grid);
     return true;
 }

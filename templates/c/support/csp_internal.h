@@ -189,8 +189,8 @@ void csp_instants_begin(csp_kernel *csp);
 /* Executes this tick; `present` is the time that has already passed. Returns false if the environment has failed. */
 bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present);
 
-/* Hands over the latched outputs whose tick this is. Returns the next tick of one; INT64_MAX: none. */
-int64_t csp_outputs_meet(csp_kernel *csp, int64_t instant, int64_t present);
+/* Hands over the latched outputs whose tick this is. */
+void csp_outputs_meet(csp_kernel *csp, int64_t instant);
 
 /* The next instant of a tick or a timer; INT64_MAX: none. */
 static inline int64_t csp_instants_next(csp_kernel *csp)

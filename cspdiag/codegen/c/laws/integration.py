@@ -18,6 +18,7 @@ from cspdiag.codegen.c.text.code import (
     cast,
     code,
     infix,
+    own,
 )
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.kernel import KERNEL
@@ -33,6 +34,7 @@ from cspdiag.codegen.c.text.statements import (
     store,
     with_kernel,
 )
+from cspdiag.codegen.c.text.types import duration
 from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type, is_single
 from cspdiag.network.ir.equations import SubmodelEquation
@@ -230,3 +232,20 @@ def sub_steps(sample: Code, step: float) -> Code:
     """The number of steps of at most ``step`` nanoseconds in a sample period of ``sample`` seconds."""
     nanoseconds = infix("*", PRODUCT, sample, Atom("1e9"))
     return cast("int64_t", call("ceil", infix("/", PRODUCT, call("rint", nanoseconds), Atom(repr(step)))))
+
+
+def steps_until_now(step: int | None) -> tuple[list[Statement], Code | None]:
+    """The statements that define the length ``h`` of a step, of at most ``step`` nanoseconds, from the last instant of
+    an environment until ``now``; and the number of steps, if it is not always 1.
+    """
+    elapsed = infix("-", SUM, Atom("now"), own("now"))
+    interval = call("csp_seconds", elapsed)
+    if step is None:
+        return [define("const double", "h", interval)], None
+    # Integer division, rounded up: exact, because the interval is not negative.
+    count, longest = Atom("steps"), duration(step)
+    rounded = infix("-", SUM, infix("+", SUM, elapsed, longest), Atom("1"))
+    return [
+        define("const int64_t", "steps", infix("/", PRODUCT, rounded, longest)),
+        define("const double", "h", infix("/", PRODUCT, interval, cast("double", count))),
+    ], count

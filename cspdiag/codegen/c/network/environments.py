@@ -14,22 +14,21 @@ from cspdiag.codegen.c.laws.equations import (
     end_if_faulted,
     record_fault_place,
 )
-from cspdiag.codegen.c.laws.integration import LOCALS, Integration
+from cspdiag.codegen.c.laws.integration import LOCALS, Integration, steps_until_now
 from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.laws.linear import LinearStep, linear_steps
 from cspdiag.codegen.c.network.devices import Devices
+from cspdiag.codegen.c.network.literals import WithLiterals, with_literals
 from cspdiag.codegen.c.network.parameters import parameter_of
 from cspdiag.codegen.c.network.signals import Signals
 from cspdiag.codegen.c.text.code import (
     CSP,
     EQUALITY,
     PRODUCT,
-    SUM,
     Aggregate,
     Code,
     address,
     call,
-    cast,
     code,
     ignored,
     infix,
@@ -97,8 +96,12 @@ class EnvironmentFiles:
         return self.names.environments[self.environment.name]
 
     @cached_property
+    def _with_literals(self) -> WithLiterals | None:
+        return None if self.environment.system is None else with_literals(self.environment.system)
+
+    @cached_property
     def _system(self) -> SubmodelClass | None:
-        return self.environment.system
+        return None if self._with_literals is None else self._with_literals.system
 
     @cached_property
     def _signal_types(self) -> dict[str, Type]:
@@ -120,8 +123,11 @@ class EnvironmentFiles:
         return Signals(self.name, self.network, self.types, self._members, self._devices)
 
     @cached_property
-    def _constants(self) -> list[str]:
-        return [item.name for item in constants_needed(self._system)] if self._system is not None else []
+    def _literals(self) -> dict[str, str]:
+        """The C names of the constants that C compilers know."""
+        return (
+            {} if self._with_literals is None else {name: self._members[name] for name in self._with_literals.literals}
+        )
 
     @cached_property
     def _calls(self) -> list[ExternalCall]:
@@ -178,6 +184,9 @@ class EnvironmentFiles:
         parts += [self._evaluate()] if self._results else []
         parts += [self._start(), self._advance(), *self._devices.closing(f"{self.name}_close", self.name)]
         parts += [self._ports.drivers(), self._table()]
+        if self._with_literals is not None:
+            literals = self._with_literals.definitions(parts, self._literals, self.types)
+            rows += ["", *lines(literals)] if literals else []
         for part in parts:
             rows += ["", *lines([part])] if not isinstance(part, Blank) else []
         return "\n".join([*rows, ""])
@@ -193,7 +202,7 @@ class EnvironmentFiles:
         if system is not None:
             local = {name for call in self._calls for _, name, _ in call.outputs}
             stored = [(state.name, state.type) for state in system.states]
-            stored += [(item.name, item.type) for item in system.constants if item.name in self._constants]
+            stored += [(item.name, item.type) for item in constants_needed(system)]
             stored += [(name, self._signal_types[name]) for name in sorted(local)]
             statements += [define(self.types.type_name(type_), self._members[name]) for name, type_ in stored]
             statements += [define(f"struct {body_name(item)}", self._members[item.name]) for item in self._calls]
@@ -216,7 +225,7 @@ class EnvironmentFiles:
         def program(name: str) -> Code:
             return address(parameter_of(own("program"), name, self.network, self.names))
 
-        return Printer(self.types, signal=lvalue, time=time, program=program)
+        return Printer(self.types, signal=lvalue, time=time, program=program, constants=self._literals)
 
     @cached_property
     def uses_parameters(self) -> bool:
@@ -347,19 +356,7 @@ class EnvironmentFiles:
     def _integration_statements(
         self, system: SubmodelClass, printer: Printer, places: Mapping[str, str]
     ) -> list[Statement]:
-        elapsed = infix("-", SUM, code("now"), own("now"))
-        interval = call("csp_seconds", elapsed)
-        count: Code | None = None
-        statements: list[Statement] = []
-        if system.step is None:
-            statements.append(define("const double", "h", interval))
-        else:
-            count = code("steps")
-            # Integer division, rounded up: exact, because the interval is not negative.
-            step = duration(system.step)
-            rounded = infix("-", SUM, infix("+", SUM, elapsed, step), code("1"))
-            statements.append(define("const int64_t", "steps", infix("/", PRODUCT, rounded, step)))
-            statements.append(define("const double", "h", infix("/", PRODUCT, interval, cast("double", count))))
+        statements, count = steps_until_now(system.step)
         if self._linear:
             statements.append(Remark("A step of RK4 over h is x = M x + N r."))
         for linear in self._linear:

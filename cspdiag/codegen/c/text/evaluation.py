@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count
 
@@ -82,6 +82,8 @@ class Evaluator:
     seconds: Callable[[str, bool], Code] | None = None
     """A parameter of type ``time`` in seconds, as a double or else as a float."""
     time: str | None = None
+    constants: Mapping[str, str] = field(default_factory=dict)
+    """The C names of constants besides those of the program."""
     constants_by_value: bool = False
     """For static initializers, which have to be constant expressions in C."""
     progress: _Progress = field(default_factory=_Progress)

@@ -163,12 +163,18 @@ class Printer(Evaluator):
         return self.program(expression.name) if expression.of_program else self.parameter(expression.name)
 
     def _literal(self, expression: LiteralValue) -> Code:
-        name = expression.name
-        if name is not None and name in self.types.names.constants and not self.constants_by_value:
-            return Atom(self.types.names.constants[name])
+        name = self._name_of(expression)
+        if name is not None:
+            return Atom(name)
         if expression.value == pi and expression.type == RealType(64):
             return Atom("CSP_PI")
         return self.types.literal(expression.value, expression.type, expression.span)
+
+    def _name_of(self, literal: LiteralValue) -> str | None:
+        """The C name of a constant, where a name is possible."""
+        if literal.name is None or self.constants_by_value:
+            return None
+        return self.constants.get(literal.name) or self.types.names.constants.get(literal.name)
 
     def _negated(self, condition: Expression) -> Code:
         """The negation of a condition."""
@@ -244,8 +250,7 @@ class Printer(Evaluator):
         """Whether an operand is a literal of C type ``int``."""
         if not isinstance(expression, LiteralValue) or not isinstance(expression.type, IntType):
             return False
-        named = expression.name is not None and expression.name in self.types.names.constants
-        return not named or self.constants_by_value
+        return self._name_of(expression) is None
 
     def _comparison(self, expression: BinaryOperation) -> Code:
         known = self._known_comparison(expression)

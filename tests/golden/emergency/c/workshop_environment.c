@@ -5,6 +5,8 @@
 #include "csp_arithmetic.h"
 #include "types.h"
 
+static const double wheel_inertia = 0.0002; /* emergency.csp:43 */
+
 static struct workshop_environment present;
 
 static bool poll_emergency_button(void *device, void *value)
@@ -33,13 +35,12 @@ static void write_bool(void *device, const void *value)
     *(bool *)device = *(const bool *)value;
 }
 
-static inline double workshop_environment_slopes(csp_kernel *csp,
-    const struct workshop_environment *self, double wheel_w, double wheel_voltage, bool wheel_brake)
+static inline double workshop_environment_slopes(double wheel_w, double wheel_voltage,
+    bool wheel_brake)
 {
     const double wheel_motor = 0.05 * (wheel_voltage - 0.05 * wheel_w) / 1.0; /* emergency.csp:49 */
     const double wheel_braked = wheel_brake ? 0.002 * wheel_w : 0.0; /* emergency.csp:50 */
-    const double slope = csp_divide(csp, wheel_motor - wheel_braked, self->wheel_inertia);
-    csp_fault_in(csp, "emergency.csp:51");
+    const double slope = (wheel_motor - wheel_braked) / wheel_inertia;
     return slope;
 }
 
@@ -61,7 +62,6 @@ static bool workshop_environment_start(csp_kernel *csp, void *state)
 {
     struct workshop_environment *const self = state;
     self->now = 0;
-    self->wheel_inertia = 2e-4; /* emergency.csp:43 */
     self->wheel_w = 0.0; /* emergency.csp:48 */
     (void)workshop_environment_evaluate(csp, self);
     self->panel[1] = self->panel[0];
@@ -77,15 +77,12 @@ static bool workshop_environment_advance(csp_kernel *csp, void *state, int64_t n
     const double h = csp_seconds(now - self->now);
     const double half = h / 2.0;
     const double sixth = h / 6.0;
-    const double k1 = workshop_environment_slopes(csp, self, wheel_w, wheel_voltage, wheel_brake);
-    const double k2 =
-        workshop_environment_slopes(csp, self, wheel_w + half * k1, wheel_voltage, wheel_brake);
-    const double k3 =
-        workshop_environment_slopes(csp, self, wheel_w + half * k2, wheel_voltage, wheel_brake);
-    const double k4 =
-        workshop_environment_slopes(csp, self, wheel_w + h * k3, wheel_voltage, wheel_brake);
+    const double k1 = workshop_environment_slopes(wheel_w, wheel_voltage, wheel_brake);
+    const double k2 = workshop_environment_slopes(wheel_w + half * k1, wheel_voltage, wheel_brake);
+    const double k3 = workshop_environment_slopes(wheel_w + half * k2, wheel_voltage, wheel_brake);
+    const double k4 = workshop_environment_slopes(wheel_w + h * k3, wheel_voltage, wheel_brake);
     wheel_w += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    if (csp_faulted(csp) || !csp_is_finite(wheel_w)) {
+    if (!csp_is_finite(wheel_w)) {
         csp_finite_at(csp, wheel_w, "emergency.csp:51");
         if (csp_faulted_at(csp, "emergency.csp:51")) {
             return false;

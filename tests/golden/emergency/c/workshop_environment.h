@@ -16,7 +16,6 @@ struct workshop_environment {
     bool brake;
     bool halted;
     double wheel_w;
-    double wheel_inertia;
 };
 
 /* One of them, and what it is behind the ports of the program. */

@@ -5,6 +5,27 @@
 #include "csp_arithmetic.h"
 #include "types.h"
 
+static const double pan_start = 0.3; /* plant.csp:26 */
+static const double pan_left = -1.62; /* plant.csp:26 */
+static const double pan_damper = 0.3; /* plant.csp:26 */
+static const double pan_right = 1.5; /* plant.csp:26 */
+static const double pan_inertia = 0.001; /* plant.csp:25 */
+static const double pan_viscous = 0.001; /* plant.csp:25 */
+static const double pan_gravity = 0.0; /* plant.csp:25 */
+static const double pan_coulomb = 0.012; /* plant.csp:25 */
+static const double pan_creep = 0.02; /* plant.csp:27 */
+static const double pan_settling = 0.002; /* plant.csp:27 */
+static const double tilt_start = -0.4; /* plant.csp:26 */
+static const double tilt_left = -2.05; /* plant.csp:26 */
+static const double tilt_damper = 0.15; /* plant.csp:26 */
+static const double tilt_right = 1.85; /* plant.csp:26 */
+static const double tilt_inertia = 0.0003; /* plant.csp:25 */
+static const double tilt_viscous = 0.0005; /* plant.csp:25 */
+static const double tilt_gravity = 0.01; /* plant.csp:25 */
+static const double tilt_coulomb = 0.008; /* plant.csp:25 */
+static const double tilt_creep = 0.04; /* plant.csp:27 */
+static const double tilt_settling = 0.002; /* plant.csp:27 */
+
 static struct bench_environment present;
 
 static bool read_double(void *device, void *value)
@@ -40,41 +61,37 @@ static inline struct bench_environment_slopes bench_environment_slopes(csp_kerne
     double tilt_speed, double pan_voltage, double tilt_voltage)
 {
     /* plant.csp:35 */
-    const double pan_stop = (pan_angle < self->pan_left)
-        ? csp_max(0.0, stiffness * (self->pan_left - pan_angle) - self->pan_damper * pan_speed)
-        : ((pan_angle > self->pan_right)
-            ? csp_min(0.0, stiffness * (self->pan_right - pan_angle) - self->pan_damper * pan_speed)
+    const double pan_stop = (pan_angle < pan_left)
+        ? csp_max(0.0, stiffness * (pan_left - pan_angle) - pan_damper * pan_speed)
+        : ((pan_angle > pan_right)
+            ? csp_min(0.0, stiffness * (pan_right - pan_angle) - pan_damper * pan_speed)
             : 0.0);
     /* plant.csp:35 */
-    const double tilt_stop = (tilt_angle < self->tilt_left)
-        ? csp_max(0.0, stiffness * (self->tilt_left - tilt_angle) - self->tilt_damper * tilt_speed)
-        : ((tilt_angle > self->tilt_right)
-            ? csp_min(0.0,
-                stiffness * (self->tilt_right - tilt_angle) - self->tilt_damper * tilt_speed)
+    const double tilt_stop = (tilt_angle < tilt_left)
+        ? csp_max(0.0, stiffness * (tilt_left - tilt_angle) - tilt_damper * tilt_speed)
+        : ((tilt_angle > tilt_right)
+            ? csp_min(0.0, stiffness * (tilt_right - tilt_angle) - tilt_damper * tilt_speed)
             : 0.0);
     /* plant.csp:40 */
     const double pan_torque = drive * (pan_voltage - induction * pan_speed)
-        - self->pan_viscous * pan_speed
-        - self->pan_gravity * csp_sin(pan_angle)
+        - pan_viscous * pan_speed
+        - pan_gravity * csp_sin(pan_angle)
         + pan_stop;
     /* plant.csp:42 */
-    const double pan_friction = (fabs(pan_speed) < self->pan_creep)
-        ? csp_limit(pan_torque + csp_divide(csp, self->pan_mass * pan_speed, self->pan_settling),
-            -self->pan_stiction, self->pan_stiction)
-        : ((pan_speed > 0.0) ? self->pan_coulomb : -self->pan_coulomb);
-    csp_fault_in(csp, "plant.csp:42");
+    const double pan_friction = (fabs(pan_speed) < pan_creep)
+        ? csp_limit(pan_torque + self->pan_mass * pan_speed / pan_settling, -self->pan_stiction,
+            self->pan_stiction)
+        : ((pan_speed > 0.0) ? pan_coulomb : -pan_coulomb);
     /* plant.csp:40 */
     const double tilt_torque = drive * (tilt_voltage - induction * tilt_speed)
-        - self->tilt_viscous * tilt_speed
-        - self->tilt_gravity * csp_sin(tilt_angle)
+        - tilt_viscous * tilt_speed
+        - tilt_gravity * csp_sin(tilt_angle)
         + tilt_stop;
     /* plant.csp:42 */
-    const double tilt_friction = (fabs(tilt_speed) < self->tilt_creep)
-        ? csp_limit(
-            tilt_torque + csp_divide(csp, self->tilt_mass * tilt_speed, self->tilt_settling),
+    const double tilt_friction = (fabs(tilt_speed) < tilt_creep)
+        ? csp_limit(tilt_torque + self->tilt_mass * tilt_speed / tilt_settling,
             -self->tilt_stiction, self->tilt_stiction)
-        : ((tilt_speed > 0.0) ? self->tilt_coulomb : -self->tilt_coulomb);
-    csp_fault_in(csp, "plant.csp:42");
+        : ((tilt_speed > 0.0) ? tilt_coulomb : -tilt_coulomb);
     struct bench_environment_slopes slopes;
     slopes.pan_angle = pan_speed;
     slopes.pan_speed = csp_divide(csp, pan_torque - pan_friction, self->pan_mass);
@@ -89,11 +106,9 @@ static bool bench_environment_evaluate(csp_kernel *csp, struct bench_environment
 {
     const double time = csp_seconds(self->now);
     /* plant.csp:49 */
-    const double pan_encoder =
-        csp_quantize(self->pan_angle - self->pan_start, 2.0 * CSP_PI / counts);
+    const double pan_encoder = csp_quantize(self->pan_angle - pan_start, 2.0 * CSP_PI / counts);
     /* plant.csp:49 */
-    const double tilt_encoder =
-        csp_quantize(self->tilt_angle - self->tilt_start, 2.0 * CSP_PI / counts);
+    const double tilt_encoder = csp_quantize(self->tilt_angle - tilt_start, 2.0 * CSP_PI / counts);
     /* plant.csp:57 */
     const double hand_stick = ((time < 7.5) || (time >= 12.5))
         ? 0.0
@@ -123,33 +138,13 @@ static bool bench_environment_start(csp_kernel *csp, void *state)
 {
     struct bench_environment *const self = state;
     self->now = 0;
-    self->pan_start = 0.3; /* plant.csp:26 */
-    self->pan_left = -1.62; /* plant.csp:26 */
-    self->pan_damper = 0.3; /* plant.csp:26 */
-    self->pan_right = 1.5; /* plant.csp:26 */
-    self->pan_inertia = 1e-3; /* plant.csp:25 */
-    self->pan_mass = self->pan_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
-    self->pan_viscous = 1e-3; /* plant.csp:25 */
-    self->pan_gravity = 0.0; /* plant.csp:25 */
-    self->pan_coulomb = 0.012; /* plant.csp:25 */
-    self->pan_stiction = 1.3 * self->pan_coulomb; /* plant.csp:41 */
-    self->pan_creep = 0.02; /* plant.csp:27 */
-    self->pan_settling = 0.002; /* plant.csp:27 */
-    self->tilt_start = -0.4; /* plant.csp:26 */
-    self->tilt_left = -2.05; /* plant.csp:26 */
-    self->tilt_damper = 0.15; /* plant.csp:26 */
-    self->tilt_right = 1.85; /* plant.csp:26 */
-    self->tilt_inertia = 3e-4; /* plant.csp:25 */
-    self->tilt_mass = self->tilt_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
-    self->tilt_viscous = 5e-4; /* plant.csp:25 */
-    self->tilt_gravity = 0.01; /* plant.csp:25 */
-    self->tilt_coulomb = 0.008; /* plant.csp:25 */
-    self->tilt_stiction = 1.3 * self->tilt_coulomb; /* plant.csp:41 */
-    self->tilt_creep = 0.04; /* plant.csp:27 */
-    self->tilt_settling = 0.002; /* plant.csp:27 */
-    self->pan_angle = self->pan_start; /* plant.csp:32 */
+    self->pan_mass = pan_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
+    self->pan_stiction = 1.3 * pan_coulomb; /* plant.csp:41 */
+    self->tilt_mass = tilt_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
+    self->tilt_stiction = 1.3 * tilt_coulomb; /* plant.csp:41 */
+    self->pan_angle = pan_start; /* plant.csp:32 */
     self->pan_speed = 0.0; /* plant.csp:33 */
-    self->tilt_angle = self->tilt_start; /* plant.csp:32 */
+    self->tilt_angle = tilt_start; /* plant.csp:32 */
     self->tilt_speed = 0.0; /* plant.csp:33 */
     (void)bench_environment_evaluate(csp, self);
     self->joystick_buttons[1] = self->joystick_buttons[0];

@@ -22,30 +22,10 @@ struct worn_environment {
     double pan_speed;
     double tilt_angle;
     double tilt_speed;
-    double pan_start;
-    double pan_left;
-    double pan_damper;
-    double pan_right;
-    double pan_inertia;
     double pan_mass;
-    double pan_viscous;
-    double pan_gravity;
-    double pan_coulomb;
     double pan_stiction;
-    double pan_creep;
-    double pan_settling;
-    double tilt_start;
-    double tilt_left;
-    double tilt_damper;
-    double tilt_right;
-    double tilt_inertia;
     double tilt_mass;
-    double tilt_viscous;
-    double tilt_gravity;
-    double tilt_coulomb;
     double tilt_stiction;
-    double tilt_creep;
-    double tilt_settling;
 };
 
 /* One of them, and what it is behind the ports of the program. */

@@ -1,0 +1,48 @@
+"""Environments in C: what C compilers know of them."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.base import SourceFile
+from tests.codegen.packages import read
+
+PROGRAM = """
+process Follow {
+  in  x : double @ 1 ms
+  out u : double @ 1 ms
+  communication { var v : double }
+  composition { mu (x ? v ; u ! v) }
+}
+environment Plant for Follow {
+  axle : Axle(mass = 2, lever = 3, spare = 4, grip = 0)
+  u -> axle.u
+  axle.x -> x
+}
+submodel Axle(mass: double, lever: double, spare: double, grip: double) {
+  in  u : double
+  out x : double
+  state w : double = 0
+  let moment = lever * u
+  let unused = spare * u
+  let inertia = mass * lever ^ 2
+  der w = moment / inertia - w / mass - grip * w
+  x = w
+}
+"""
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_constants_of_environments_with_literal_values_are_constants_in_c(level: int) -> None:
+    network = pipeline.build(SourceFile(name="follow.csp", text=PROGRAM), read).network
+    assert network is not None
+    package = pipeline.generate(network, read, "c", level)
+    text, header = package["plant_environment.c"], package["plant_environment.h"]
+    constants = dict(re.findall(r"^static const double (\w+) = ([\w.]+);", text, re.MULTILINE))
+    assert constants == {"axle_mass": "2.0", "axle_lever": "3.0", "axle_grip": "0.0"}
+    assert re.findall(r"double (\w+);", header) == ["x", "u", "axle_w", "axle_inertia"]
+    assert "/ axle_mass" in text
+    assert "csp_divide(csp, axle_moment, self->axle_inertia)" in text
