@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any
 
 from cspdiag.base import Span
-from cspdiag.codegen.shared.equations import changes
+from cspdiag.codegen.shared.laws.equations import changes
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression

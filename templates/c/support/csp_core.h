@@ -179,6 +179,7 @@ struct csp_kernel {
     csp_timer *earliest;   /* the root of the heap of timers; NULL: none */
     uint64_t timers_begun;
     uint32_t begun;     /* number of alternatives that have begun to wait, modulo 2^32 */
+    uint32_t changes;   /* how often the parameters have been set, modulo 2^32; 0: not yet */
     csp_error error;    /* of the operation that has just failed */
     const char *volatile loop; /* with CSP_TRACE: place of the loop in which the process is and in which it cannot wait; NULL: none */
     /* Instants */

@@ -10,7 +10,7 @@ from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names
 from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, in_block, return_if, run, store
-from cspdiag.codegen.shared.equations import Equation
+from cspdiag.codegen.shared.laws.equations import Equation
 from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import RealType, is_single
 from cspdiag.network.ir.declared import Declared

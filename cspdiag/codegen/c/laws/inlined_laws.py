@@ -14,7 +14,7 @@ from cspdiag.codegen.c.text.code import PRODUCT, Code, cast, code, infix
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.names import Names, identifier
 from cspdiag.codegen.c.text.statements import Block, Statement, define, store
-from cspdiag.codegen.shared.equations import changes, read_after_change, signals, values
+from cspdiag.codegen.shared.laws.equations import changes, read_after_change, signals, values
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared

@@ -35,7 +35,7 @@ from cspdiag.codegen.c.text.statements import (
     with_kernel,
 )
 from cspdiag.codegen.c.text.types import duration
-from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
+from cspdiag.codegen.shared.laws.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type, is_single
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, TunableValue, VariableValue

@@ -28,7 +28,7 @@ from cspdiag.codegen.c.text.statements import (
     store,
 )
 from cspdiag.codegen.c.text.types import CTypes
-from cspdiag.codegen.shared.equations import (
+from cspdiag.codegen.shared.laws.equations import (
     changes,
     constants_needed,
     defined,

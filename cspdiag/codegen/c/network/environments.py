@@ -54,7 +54,7 @@ from cspdiag.codegen.c.text.statements import (
     with_kernel,
 )
 from cspdiag.codegen.c.text.types import CTypes, duration
-from cspdiag.codegen.shared.equations import (
+from cspdiag.codegen.shared.laws.equations import (
     Equation,
     changes,
     constants_needed,

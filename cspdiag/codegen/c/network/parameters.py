@@ -146,7 +146,8 @@ class ParameterText:
                 statements.append(run(test))
         statements.append(return_value(negated(call("csp_faulted"))))
         kernel = define("csp_kernel *const", "csp", "&self->kernel")
-        return Function("static bool follow", ("struct network *self",), (kernel, *statements))
+        changed = run("csp->changes++")
+        return Function("static bool follow", ("struct network *self",), (kernel, changed, *statements))
 
     def _set(self) -> Function:
         return Function(

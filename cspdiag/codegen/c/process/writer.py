@@ -4,7 +4,7 @@ while the process waits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cspdiag.codegen.c.process.flow import can_complete
@@ -68,6 +68,10 @@ class Writer:
     """Constant tables that step functions refer to."""
     functions: list[tuple[Statement, ...]] = field(default_factory=list)
     """Other functions, to be defined before the step functions."""
+    kept: dict[tuple[str, str], tuple[Code, Mapping[str, Code]]] = field(default_factory=dict)
+    """Members that keep what follows from parameters, and those for the change that they follow, by the law and the
+    equations that compute them.
+    """
 
     current: Routine = field(init=False)
     handler: Handler = field(init=False)

@@ -402,5 +402,7 @@ CSP = Atom("csp")
 """The state of the run."""
 NOW = Atom("csp->now")
 """The present instant."""
+CHANGES = Atom("csp->changes")
+"""How often the parameters of the program have been set."""
 _SELF = Atom("self")
-_KERNEL = (CSP, NOW)
+_KERNEL = (CSP, NOW, CHANGES)

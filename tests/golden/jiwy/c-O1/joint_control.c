@@ -146,16 +146,24 @@ static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joi
 static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
     struct joint_control *self)
 {
-    const double pid_tauD = csp_seconds(self->gains->tauD); /* laws.csp:6 */
     const double pid_beta = self->gains->beta; /* laws.csp:6 */
-    /* laws.csp:14 */
-    const double pid_f =
-        csp_divide(csp, 1.0, self->motionControl_servo_sample + pid_tauD * pid_beta);
-    if (csp_faulted_at(csp, "laws.csp:14")) {
-        return false;
-    }
     const double pid_kp = self->gains->kp; /* laws.csp:6 */
-    const double pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
+    /* What follows from parameters, again after a change of one. */
+    if (self->motionControl_servo_changes != csp->changes) {
+        const double pid_tauD = csp_seconds(self->gains->tauD); /* laws.csp:6 */
+        /* laws.csp:14 */
+        self->motionControl_servo_pid_f =
+            csp_divide(csp, 1.0, self->motionControl_servo_sample + pid_tauD * pid_beta);
+        if (csp_faulted_at(csp, "laws.csp:14")) {
+            return false;
+        }
+        self->motionControl_servo_pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
+        /* jiwy.csp:68 */
+        self->motionControl_servo_sample_kp = self->motionControl_servo_sample * pid_kp;
+        self->motionControl_servo_tauD_kp = pid_tauD * pid_kp; /* jiwy.csp:68 */
+        self->motionControl_servo_tauD_beta = pid_tauD * pid_beta; /* jiwy.csp:68 */
+        self->motionControl_servo_changes = csp->changes;
+    }
     /* laws.csp:71 */
     const double centre =
         (self->motionControl_servo_leftmax + self->motionControl_servo_rightmax) / 2.0;
@@ -177,13 +185,14 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
     const double profile_angle = profile_from + self->motionControl_servo_sample * profile_velocity;
     const double pid_error = profile_angle - self->motionControl_servo_feedback; /* laws.csp:75 */
     /* laws.csp:15 */
-    const double pid_d = pid_f
-        * (pid_tauD * pid_beta * self->motionControl_servo_pid_ud
-            + pid_tauD * pid_kp * (pid_error - self->motionControl_servo_pid_e1)
-            + self->motionControl_servo_sample * pid_kp * pid_error);
+    const double pid_d = self->motionControl_servo_pid_f
+        * (self->motionControl_servo_tauD_beta * self->motionControl_servo_pid_ud
+            + self->motionControl_servo_tauD_kp * (pid_error - self->motionControl_servo_pid_e1)
+            + self->motionControl_servo_sample_kp * pid_error);
     /* laws.csp:16 */
     const double pid_i = self->motionControl_servo_pid_ui
-        + csp_divide(csp, self->motionControl_servo_sample * pid_d, pid_tauI);
+        + csp_divide(csp, self->motionControl_servo_sample * pid_d,
+            self->motionControl_servo_pid_tauI);
     if (csp_faulted_at(csp, "laws.csp:16")) {
         return false;
     }
@@ -239,15 +248,23 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
  */
 static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_control *self)
 {
-    const double pid_tauD = csp_seconds(self->gains->tauD); /* laws.csp:6 */
     const double pid_beta = self->gains->beta; /* laws.csp:6 */
-    /* laws.csp:14 */
-    const double pid_f = csp_divide(csp, 1.0, self->homing_servo_sample + pid_tauD * pid_beta);
-    if (csp_faulted_at(csp, "laws.csp:14")) {
-        return false;
-    }
     const double pid_kp = self->gains->kp; /* laws.csp:6 */
-    const double pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
+    /* What follows from parameters, again after a change of one. */
+    if (self->homing_servo_changes != csp->changes) {
+        const double pid_tauD = csp_seconds(self->gains->tauD); /* laws.csp:6 */
+        /* laws.csp:14 */
+        self->homing_servo_pid_f =
+            csp_divide(csp, 1.0, self->homing_servo_sample + pid_tauD * pid_beta);
+        if (csp_faulted_at(csp, "laws.csp:14")) {
+            return false;
+        }
+        self->homing_servo_pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
+        self->homing_servo_sample_kp = self->homing_servo_sample * pid_kp; /* jiwy.csp:97 */
+        self->homing_servo_tauD_kp = pid_tauD * pid_kp; /* jiwy.csp:97 */
+        self->homing_servo_tauD_beta = pid_tauD * pid_beta; /* jiwy.csp:97 */
+        self->homing_servo_changes = csp->changes;
+    }
     /* laws.csp:71 */
     const double centre = (self->homing_servo_leftmax + self->homing_servo_rightmax) / 2.0;
     /* laws.csp:72 */
@@ -268,13 +285,13 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
     const double profile_angle = profile_from + self->homing_servo_sample * profile_velocity;
     const double pid_error = profile_angle - self->homing_servo_feedback; /* laws.csp:75 */
     /* laws.csp:15 */
-    const double pid_d = pid_f
-        * (pid_tauD * pid_beta * self->homing_servo_pid_ud
-            + pid_tauD * pid_kp * (pid_error - self->homing_servo_pid_e1)
-            + self->homing_servo_sample * pid_kp * pid_error);
+    const double pid_d = self->homing_servo_pid_f
+        * (self->homing_servo_tauD_beta * self->homing_servo_pid_ud
+            + self->homing_servo_tauD_kp * (pid_error - self->homing_servo_pid_e1)
+            + self->homing_servo_sample_kp * pid_error);
     /* laws.csp:16 */
-    const double pid_i =
-        self->homing_servo_pid_ui + csp_divide(csp, self->homing_servo_sample * pid_d, pid_tauI);
+    const double pid_i = self->homing_servo_pid_ui
+        + csp_divide(csp, self->homing_servo_sample * pid_d, self->homing_servo_pid_tauI);
     if (csp_faulted_at(csp, "laws.csp:16")) {
         return false;
     }

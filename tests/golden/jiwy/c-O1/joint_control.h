@@ -103,7 +103,21 @@ struct joint_control {
     csp_process alignR_run_velocity_branch;
     csp_interrupt alignR_interrupt_run_velocity;
     csp_offers offers;
+    /* of parameters, which these values follow: */
+    uint32_t motionControl_servo_changes;
+    double motionControl_servo_pid_f;
+    double motionControl_servo_pid_tauI;
+    double motionControl_servo_sample_kp;
+    double motionControl_servo_tauD_kp;
+    double motionControl_servo_tauD_beta;
     csp_process homing_run_servo_branch;
+    /* of parameters, which these values follow: */
+    uint32_t homing_servo_changes;
+    double homing_servo_pid_f;
+    double homing_servo_pid_tauI;
+    double homing_servo_sample_kp;
+    double homing_servo_tauD_kp;
+    double homing_servo_tauD_beta;
     csp_interrupt homing_interrupt_run_servo;
     csp_offer offers_made[2];
 };

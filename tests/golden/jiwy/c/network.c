@@ -92,6 +92,7 @@ const struct jiwy_parameters network_defaults = {
 static bool follow(struct network *self)
 {
     csp_kernel *const csp = &self->kernel;
+    csp->changes++;
     jiwy_servo_gains_finite(csp, self->parameters.panGains, "panGains");
     jiwy_servo_gains_finite(csp, self->parameters.tiltGains, "tiltGains");
     return !csp_faulted(csp);

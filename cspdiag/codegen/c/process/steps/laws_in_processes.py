@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import Check, EquationWriter, end_if_faulted
+from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, end_if_faulted
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
 from cspdiag.codegen.c.laws.laws import body_name, kernel_of, law_may_fault, law_members, law_verbs
 from cspdiag.codegen.c.process.routines import Waiting
+from cspdiag.codegen.c.process.steps.kept_values import kept_values
 from cspdiag.codegen.c.process.steps.plain_steps import (
     READS,
     WRITES,
@@ -191,22 +192,38 @@ def run_inlined_law(writer: Writer, step: ir.RunLaw) -> list[Statement]:
 def _law_statements(writer: Writer, step: ir.RunLaw, check: Check, local: Mapping[str, str]) -> list[Statement]:
     """``local`` are the names of the signals that are local variables."""
     members = writer.members
+    kept = kept_values(writer, step)
 
     def signal(name: str) -> Code:
+        if kept is not None and name in kept.members:
+            return kept.members[name]
         return code(local[name]) if name in local else members.signal(name)
 
+    def target(name: str) -> Target:
+        if name in local:
+            return LocalVariable(f"const {members.types.type_name(members.signal_types[name])}", local[name])
+        return members.signal(name)
+
+    printer = replace(writer.printer, signal=signal)
+    first: list[Statement] = []
+    if kept is not None:
+        first = kept.statements(EquationWriter(printer, _place_by(writer), check, own, body_name), target)
     law = run_law(
-        step,
+        step if kept is None else kept.law,
         members.process,
         owner=writer.struct,
-        printer=replace(writer.printer, signal=signal),
+        printer=printer,
         place=_place_by(writer),
         check=check,
         types_of=members.signal_types,
         local=local,
     )
     writer.add_function(law.functions)
-    return [*law.statements, *(run(ignored(code(name))) for signal, name in local.items() if signal in law.unread)]
+    return [
+        *first,
+        *law.statements,
+        *(run(ignored(code(name))) for signal, name in local.items() if signal in law.unread),
+    ]
 
 
 def _place_by(writer: Writer) -> Callable[[Declared], str]:

@@ -34,7 +34,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.statements import Block, For, Function, Statement, assign, if_, run
-from cspdiag.codegen.shared.equations import changes, held
+from cspdiag.codegen.shared.laws.equations import changes, held
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Value

@@ -9,7 +9,6 @@ from math import ceil
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import NANOSECONDS, FastPrinter
-from cspdiag.codegen.python.fast.laws.following import Following, following_apart
 from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, is_test, refused_unless_all_finite
 from cspdiag.codegen.python.plain.external import ExternalModules, taken
@@ -32,7 +31,8 @@ from cspdiag.codegen.python.text.code import (
 from cspdiag.codegen.python.text.names import Names, identifier
 from cspdiag.codegen.python.text.statements import Assign, For, Statement, assign, if_
 from cspdiag.codegen.python.text.types import annotation, real
-from cspdiag.codegen.shared.equations import changes, defined, read_after_change
+from cspdiag.codegen.shared.laws.equations import changes, defined, read_after_change
+from cspdiag.codegen.shared.laws.following import Following, following_apart
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared

@@ -17,7 +17,7 @@ from cspdiag.codegen.python.plain.laws.integration import rounded
 from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Constant, Name, infix
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import Statement, assign, change
-from cspdiag.codegen.shared.equations import needed, signals, uses_time
+from cspdiag.codegen.shared.laws.equations import needed, signals, uses_time
 from cspdiag.model.types import is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import SubmodelEquation

@@ -34,7 +34,7 @@ from cspdiag.codegen.python.text.names import Names, PackageNames
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import For, Function, Statement, assign, if_, lines, run
 from cspdiag.codegen.python.text.types import annotation, duration
-from cspdiag.codegen.shared.equations import (
+from cspdiag.codegen.shared.laws.equations import (
     Equation,
     changes,
     constants_needed,

@@ -22,7 +22,7 @@ from cspdiag.codegen.python.text.code import (
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import For, Function, Statement, Statements, assign, change, return_, unpack
-from cspdiag.codegen.shared.equations import changes, held, needed, signals, uses_time
+from cspdiag.codegen.shared.laws.equations import changes, held, needed, signals, uses_time
 from cspdiag.model.types import Type, is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import SubmodelEquation

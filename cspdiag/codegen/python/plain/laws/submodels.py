@@ -28,7 +28,7 @@ from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, iden
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, return_, run, unpack
 from cspdiag.codegen.python.text.types import accepted, annotation, duration
-from cspdiag.codegen.shared.equations import (
+from cspdiag.codegen.shared.laws.equations import (
     Equation,
     changes,
     constants_needed,

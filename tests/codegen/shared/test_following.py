@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.python.fast.laws.following import Following, following_apart
+from cspdiag.codegen.shared.laws.following import Following, following_apart
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.network import ProcessClass

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.actions import RunLaw
@@ -42,8 +42,17 @@ class Following:
     law: RunLaw
 
 
-def following_apart(law: RunLaw, constants: frozenset[str]) -> Following:
-    """What of a law follows parameters of the program, apart from the rest. ``constants`` are those of the class."""
+def is_looked_up(value: Expression) -> bool:
+    """Whether a value is a parameter, or a field of one: there is nothing to compute."""
+    return all(isinstance(part, TunableValue | FieldValue | ParameterValue) for part in walk(value))
+
+
+def following_apart(
+    law: RunLaw, constants: frozenset[str], is_term: Callable[[Expression], bool] = lambda _: True
+) -> Following:
+    """What of a law follows parameters of the program, apart from the rest. ``constants`` are those of the class, and
+    ``is_term`` says which parts of expressions that follow are worth a name.
+    """
     parameters = tuple(dict.fromkeys(part for part in parts(law) if isinstance(part, TunableValue)))
     if not parameters:
         return Following((), (), (), law)
@@ -62,7 +71,8 @@ def following_apart(law: RunLaw, constants: frozenset[str]) -> Following:
     rest = replaced(law, equations=tuple(others))
     computed = frozenset(item.name for item in equations)
     terms: list[SubmodelEquation] = []
-    for number, part in enumerate(sorted(_largest(rest, known, computed), key=_size, reverse=True)):
+    parts_that_follow = filter(is_term, _largest(rest, known, computed))
+    for number, part in enumerate(sorted(parts_that_follow, key=_size, reverse=True)):
         name = f"{law.law} {_described(part)} {number}"
         term = SubmodelEquation(name=name, span=law.span, type=part.type, value=part)
         changed = _with_signal(rest, term)
