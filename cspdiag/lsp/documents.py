@@ -30,6 +30,8 @@ class Document:
         self.version = version
         self.style = FileStyle.of(text)
         self.source = SourceFile(name=name, text=self._text(text, positions))
+        self.answered: dict[str, str] = {}
+        """The last answer about each assertion, by its text; the program may have changed since."""
 
     def _text(self, whole: str, positions: Positions) -> str:
         mark = self.style.mark

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import signal
 import sys
 from typing import Any
@@ -11,7 +12,6 @@ from pygls.capabilities import ServerCapabilitiesBuilder
 from pygls.exceptions import JsonRpcInvalidParams
 
 from cspdiag.editing.positions import Encoding
-from cspdiag.lsp import proving
 from cspdiag.lsp.features import (
     actions,
     completion,
@@ -28,6 +28,7 @@ from cspdiag.lsp.features import (
 )
 from cspdiag.lsp.garbage import Garbage
 from cspdiag.lsp.pictures.process import DrawingError
+from cspdiag.lsp.proving import ProvingError
 from cspdiag.lsp.server import CspdiagServer
 
 server = CspdiagServer()
@@ -215,11 +216,12 @@ def _hints(ls: CspdiagServer, params: types.InlayHintParams) -> list[types.Inlay
 
 @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
 def _lenses(ls: CspdiagServer, params: types.CodeLensParams) -> list[types.CodeLens]:
-    view = ls.view(params.text_document.uri)
-    if view is None:
+    uri = params.text_document.uri
+    document, view = ls.document(uri), ls.view(uri)
+    if document is None or view is None:
         return []
     commands = lenses.commands_of(ls.client_capabilities)
-    return lenses.lenses(view, params.text_document.uri, ls.session.positions, commands)
+    return lenses.lenses(view, uri, ls.session.positions, commands, document.answered)
 
 
 @server.command(lenses.VERIFY)
@@ -231,17 +233,18 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
     assertion = lenses.assertion_at(view, line)
     if assertion is None:
         return None
-    texts = {name: text for name, text in view.texts.items() if text is not None}
     # While it is proved the text may change, and with it the places in the tree.
-    asserted = " ".join(assertion.span.text.split())
+    asserted = lenses.asserted(assertion)
     try:
-        found = await proving.prove(view.main, texts, assertion.span.start)
-    except proving.ProvingError as problem:
+        found = await ls.prove(view, assertion)
+    except ProvingError as problem:
         message = f"`{asserted}` cannot be proved: {problem}"
         ls.window_show_message(types.ShowMessageParams(types.MessageType.Error, message))
         return None
+    except asyncio.CancelledError:
+        return None
     view.answers.update({each.start: each for each in found})
-    ls.answered(uri, view)
+    ls.answered(uri, view, asserted, found)
     return "\n".join(each.title for each in found)
 
 

@@ -14,12 +14,17 @@ from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
 from cspdiag import __version__
+from cspdiag.editing.proved import Proved
 from cspdiag.editing.view import View
 from cspdiag.lsp.documents import MAX_CHARACTERS, Document, name_of
 from cspdiag.lsp.features import diagnostics
+from cspdiag.lsp.features.lenses import asserted
 from cspdiag.lsp.garbage import Garbage
 from cspdiag.lsp.pictures.process import Drawer
+from cspdiag.lsp.progress import with_progress
+from cspdiag.lsp.proving import TIME_LIMIT, prove
 from cspdiag.lsp.session import Session
+from cspdiag.syntax import ast
 
 _SOON = 0.002
 """Seconds after a change until the program is checked, so that changes that were sent together are one."""
@@ -73,6 +78,8 @@ class CspdiagServer(LanguageServer):
         )
         self.session = Session()
         self.drawer = Drawer()
+        self._proofs: dict[tuple[str, str], tuple[View, asyncio.Task[list[Proved]]]] = {}
+        """The proofs under way, by the name of the file and the text of the assertion, with their programs."""
         self._timer: asyncio.TimerHandle | None = None
         self._changed: dict[str, Document] = {}
         """Open documents whose diagnostics are to be computed, by identity."""
@@ -144,12 +151,41 @@ class CspdiagServer(LanguageServer):
                 if user is not document:
                     self.changed(user)
 
-    def answered(self, uri: str, view: View) -> None:
-        """Show what was proved of a program, if it still has the same text."""
+    # Proofs
+
+    async def prove(self, view: View, assertion: ast.Assertion) -> list[Proved]:
+        """Answer an assertion of a program, while the editor shows that this is under way.
+
+        Raises ProvingError, and CancelledError if it was cancelled in the editor, or because the assertion is being
+        proved of a later text; then that is what is wanted.
+        """
+        words = asserted(assertion)
+        key = view.main.name, words
+        before, running = self._proofs.get(key, (None, None))
+        if running is not None:
+            if before is view:
+                return await asyncio.shield(running)
+            running.cancel()
+        texts = {name: text for name, text in view.texts.items() if text is not None}
+        proof = prove(view.main, texts, assertion.span.start)
+        detail = f"for at most {TIME_LIMIT:g} s"
+        task = asyncio.create_task(with_progress(self, f"Verifying `{words}`", detail, proof))
+        self._proofs[key] = view, task
+        try:
+            return await task
+        finally:
+            if self._proofs.get(key) == (view, task):
+                del self._proofs[key]
+
+    def answered(self, uri: str, view: View, words: str, found: list[Proved]) -> None:
+        """Show what was proved of an assertion of a program; if that has another text now, the lens says so."""
         document = self.session.documents.get(uri)
-        if document is None or self.session.view(document) is not view:
+        if document is None:
             return
-        self._publish(document)
+        for each in found:
+            document.answered[words] = each.title
+        if not document.is_too_large and self.session.view(document) is view:
+            self._publish(document)
         workspace = self.client_capabilities.workspace
         if workspace is not None and workspace.code_lens is not None and workspace.code_lens.refresh_support:
             self.workspace_code_lens_refresh(None)

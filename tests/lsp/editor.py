@@ -33,6 +33,7 @@ class Client(LanguageClient):
         super().__init__(converter_factory=default_converter)
         self.editors: list[Editor] = []
         self.diagnostics: dict[str, Sequence[types.Diagnostic]] = {}
+        self.progress: dict[types.ProgressToken, list[Any]] = {}
 
         @self.feature(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
         def publish(found: types.PublishDiagnosticsParams) -> None:
@@ -43,6 +44,14 @@ class Client(LanguageClient):
         @self.feature(types.WORKSPACE_CODE_LENS_REFRESH)
         def refresh(*_: object) -> None:
             """An editor would ask for the lenses again."""
+
+        @self.feature(types.WINDOW_WORK_DONE_PROGRESS_CREATE)
+        def create(_: types.WorkDoneProgressCreateParams) -> None:
+            """An editor would show what is done."""
+
+        @self.feature(types.PROGRESS)
+        def progress(found: types.ProgressParams) -> None:
+            self.progress.setdefault(found.token, []).append(found.value)
 
         @self.feature(types.WINDOW_SHOW_MESSAGE)
         def show(found: types.ShowMessageParams) -> None:

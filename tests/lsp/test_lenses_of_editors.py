@@ -50,6 +50,48 @@ def test_the_commands_of_an_editor_are_read_whatever_class_has_them(wrap: type) 
     assert commands_of(types.ClientCapabilities(experimental=wrap({"cspdiag": 3}))) == frozenset()
 
 
+STUCK_EARLY = """process Early { in go : int communication { var x : int } composition { go ? x ; wait 5 ms ; go ? x } }
+process Left { out a : int in b : int communication { var x : int } composition { wait 9 ms ; a ! 1 ; b ? x } }
+process Right {
+  in a : int
+  out b, go : int
+  communication { var x : int }
+  composition { go ! 1 ; a ? x ; b ! 2 ; a ? x }
+}
+process Main {
+  communication {
+    early : Early
+    left : Left
+    right : Right
+    left.a -> right.a
+    right.b -> left.b
+    right.go -> early.go
+  }
+  composition { early || left || right }
+}
+assert Main deadlock free
+"""
+
+
+@pytest.mark.asyncio
+async def test_a_process_that_waits_to_the_end_does_so_in_each_step_after_its_last(tmp_path: Path) -> None:
+    session, uri = Session(), (tmp_path / "early.csp").as_uri()
+    view = session.view(session.documents.open(uri, STUCK_EARLY, 1))
+    (answer,) = await prove(view.main, {}, STUCK_EARLY.index("assert"))
+    early = {"early", "right.go -> early.go", "early.go", "right.go"}
+    assert [(each["text"], set(each["waiting"])) for each in answer.steps] == [
+        ("wait 9 ms of left", set()),
+        ("right.go 1", set()),
+        ("wait 5 ms of early", set()),
+        ("left.a 1", early),
+        ("right.b 2", early),
+        (
+            "early waits to read right.go; right waits to read left.a",
+            early | {"right", "left.a -> right.a", "left.a", "right.a"},
+        ),
+    ]
+
+
 @pytest.mark.asyncio
 async def test_the_steps_of_a_counterexample_have_the_keys_of_the_diagram(tmp_path: Path) -> None:
     session, uri = Session(), (tmp_path / "crossed.csp").as_uri()

@@ -61,6 +61,17 @@ def surroundings(
     return diagram, _marks(diagram, ".".join(prefix), waiting, declared)
 
 
+def marks_beside(
+    diagram: CommunicationDiagram,
+    processes: Sequence[StuckProcess],
+    waiting: Sequence[StuckProcess],
+    declared: Mapping[str, Span] = EMPTY,
+) -> dict[str, Mark]:
+    """Marks on the ``waiting`` processes that are in the diagram of the ``surroundings`` of some others."""
+    prefix = ".".join(_common([tuple(each.path.split(".")) for each in processes]))
+    return _marks(diagram, prefix, [each for each in waiting if each.path.startswith(f"{prefix}.")], declared)
+
+
 def _common(paths: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
     """The common beginning of the paths, without the last part of each."""
     holders = [path[:-1] or path for path in paths]

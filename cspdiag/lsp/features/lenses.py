@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from lsprotocol import types
 
+from cspdiag.base.record import EMPTY
 from cspdiag.editing.view import View
 from cspdiag.lsp.positions import Positions
 from cspdiag.syntax import ast
@@ -18,15 +21,21 @@ by the URI, its name and its line from 0, and to show the steps of a counterexam
 """
 
 
-def lenses(view: View, uri: str, positions: Positions, commands: frozenset[str] = frozenset()) -> list[types.CodeLens]:
-    """A lens for each assertion, whose title is the answer after a proof; others for the ``commands`` that the editor
-    has.
+def lenses(
+    view: View,
+    uri: str,
+    positions: Positions,
+    commands: frozenset[str] = frozenset(),
+    answered: Mapping[str, str] = EMPTY,
+) -> list[types.CodeLens]:
+    """A lens for each assertion, whose title is the answer after a proof, or what was ``answered`` before the program
+    changed; others for the ``commands`` that the editor has.
     """
     found = []
     for item in assertions(view):
         place = positions.range(item.span)
         answer = view.answers.get(item.span.start)
-        title = "Verify" if answer is None else answer.title
+        title = _title(answered.get(asserted(item))) if answer is None else answer.title
         found.append(types.CodeLens(place, types.Command(title, VERIFY, arguments=[uri, place.start.line])))
         if answer is not None and answer.steps and STEP in commands:
             step = types.Command("Step through", STEP, arguments=[uri, list(answer.steps)])
@@ -39,6 +48,18 @@ def lenses(view: View, uri: str, positions: Positions, commands: frozenset[str] 
                 if command in commands:
                     found.append(types.CodeLens(place, types.Command(title, command, arguments=list(arguments))))
     return found
+
+
+def _title(before: str | None) -> str:
+    if before is None:
+        return "Verify"
+    outcome, _, reason = before.partition(": ")
+    return f"Verify again ({outcome.lower()} before the change: {reason})"
+
+
+def asserted(assertion: ast.Assertion) -> str:
+    """The text of an assertion in one line."""
+    return " ".join(assertion.span.text.split())
 
 
 def commands_of(capabilities: types.ClientCapabilities) -> frozenset[str]:
