@@ -1,8 +1,9 @@
 /** The diagram beside the text: drawn anew as the text changes, lit where the cursor is. */
 
-import { randomBytes } from "node:crypto";
 import * as vscode from "vscode";
-import type { FromPage, PagePart, ToPage, Which } from "./messages";
+import { chosenFile } from "./export";
+import { page } from "./html";
+import type { Chosen, FromPage, PagePart, ToPage, Which } from "./messages";
 import type { Diagram, Part, Range } from "./places";
 import { definitionAt, partsAt } from "./places";
 import type { Server } from "./server";
@@ -11,7 +12,6 @@ export const VIEW = "cspdiag.diagram";
 const BLANK = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1"/>';
 /** Milliseconds without a change until a picture is drawn. */
 const QUIET = 150;
-const FORMATS = { SVG: ["svg"], PNG: ["png"], PDF: ["pdf"] };
 
 /** A step of a counterexample, by the names of elements in the diagram of `process`. */
 export interface Step {
@@ -55,14 +55,17 @@ export class DiagramView implements vscode.Disposable {
         }
       }),
       server.onDidChange((client) => {
-        if (client !== undefined) {
+        if (client === undefined) {
+          this.sayNotRunning();
+        } else {
+          this.status(this.picture === undefined ? "The diagram is being drawn." : "");
           this.drawSoon();
         }
       }),
       vscode.window.registerWebviewPanelSerializer(VIEW, {
-        deserializeWebviewPanel: (panel) => {
+        deserializeWebviewPanel: async (panel, before: Chosen | undefined) => {
+          await this.restore(before);
           this.use(panel);
-          return Promise.resolve();
         },
       }),
     ];
@@ -98,19 +101,17 @@ export class DiagramView implements vscode.Disposable {
       void vscode.window.showInformationMessage("There is no diagram to export: open one first.");
       return;
     }
-    const proposed = vscode.Uri.joinPath(document.uri, "..", `${picture.name}.svg`);
-    const target = await vscode.window.showSaveDialog({ defaultUri: proposed, filters: FORMATS });
-    if (target === undefined) {
+    const file = await chosenFile(vscode.Uri.joinPath(document.uri, "..", `${picture.name}.svg`));
+    if (file === undefined) {
       return;
     }
-    const format = /\.(svg|png|pdf)$/i.exec(target.path)?.[1]?.toLowerCase() ?? "svg";
-    const wanted = { ...this.wanted(document), process: picture.name, format };
+    const wanted = { ...this.wanted(document), process: picture.name, format: file.format };
     const answer = await client.sendRequest<{ data?: string; problem?: string }>("cspdiag/diagram", wanted);
     if (answer.data === undefined) {
       void vscode.window.showErrorMessage(`The diagram was not exported: ${answer.problem ?? "no reason is known"}`);
       return;
     }
-    await vscode.workspace.fs.writeFile(target, Buffer.from(answer.data, "base64"));
+    await vscode.workspace.fs.writeFile(file.target, Buffer.from(answer.data, "base64"));
   }
 
   /** Steps through a counterexample of the document. */
@@ -140,11 +141,12 @@ export class DiagramView implements vscode.Disposable {
 
   private showStep(): void {
     const step = this.steps[this.at];
+    const isHere = step?.process === this.picture?.name;
     const ids = (keys: readonly string[]) =>
-      (this.picture?.parts ?? []).filter((part) => keys.includes(part.key)).map((part) => part.id);
+      (this.picture?.parts ?? []).filter((part) => isHere && keys.includes(part.key)).map((part) => part.id);
     this.post({
       type: "step",
-      text: step?.text ?? "",
+      text: step === undefined ? "" : isHere ? step.text : `This step is in the diagram of ${step.process}: ${step.text}`,
       position: step === undefined ? "" : `${this.at + 1}/${this.steps.length}`,
       communicating: ids(step?.communicating ?? []),
       waiting: ids(step?.waiting ?? []),
@@ -158,6 +160,19 @@ export class DiagramView implements vscode.Disposable {
       this.process = undefined;
       this.showStep();
       this.drawSoon();
+    }
+  }
+
+  /** Takes what the diagram was of before the window was loaded again. */
+  private async restore(before: Chosen | undefined): Promise<void> {
+    this.which = before?.which ?? this.which;
+    if (before?.uri !== undefined) {
+      try {
+        this.document = await vscode.workspace.openTextDocument(vscode.Uri.parse(before.uri));
+        this.process = before.process;
+      } catch {
+        // The file is no longer there: the diagram is of what is open.
+      }
     }
   }
 
@@ -203,7 +218,7 @@ export class DiagramView implements vscode.Disposable {
       return;
     }
     if (client === undefined) {
-      this.status("cspdiag is not running: there is no diagram of the text as it is now.");
+      this.sayNotRunning();
       return;
     }
     const at = this.editor()?.selection.active;
@@ -212,13 +227,19 @@ export class DiagramView implements vscode.Disposable {
     try {
       answer = await client.sendRequest<Diagram | null>("cspdiag/diagram", { ...this.wanted(document), ...chosen });
     } catch (problem) {
-      this.status(`There is no diagram: ${String(problem)}`);
-      return;
+      if (this.server.running === client) {
+        this.status(`There is no diagram: ${String(problem)}`);
+      }
+      return; // Otherwise the server has ended, and what comes after it says so.
     }
     if (answer === null || document !== this.document) {
       return; // A later request is under way.
     }
-    if (answer.problem !== undefined) {
+    if (answer.problem !== undefined && this.picture === undefined && this.process !== undefined) {
+      // The chosen process is no longer there.
+      this.process = undefined;
+      this.drawSoon();
+    } else if (answer.problem !== undefined) {
       this.status(`There is no diagram: ${answer.problem}.`);
     } else if (!answer.whole && this.picture !== undefined) {
       this.status("The text has mistakes in its syntax: this is the diagram before them.");
@@ -234,7 +255,7 @@ export class DiagramView implements vscode.Disposable {
       parts[part.id] = { opens: part.inside !== null };
     }
     const processes = answer.definitions.map((each) => each.name);
-    this.post({ type: "picture", svg: answer.svg, name: this.process ?? "", processes, parts });
+    this.post({ type: "picture", svg: answer.svg, chosen: this.chosen(), processes, parts });
     this.status(answer.whole ? "" : "The text has mistakes in its syntax: what has them is left out.", !answer.whole);
     if (this.panel !== undefined) {
       this.panel.title = `Diagram of ${answer.name}`;
@@ -246,9 +267,18 @@ export class DiagramView implements vscode.Disposable {
     this.showStep();
   }
 
+  private chosen(): Chosen {
+    return { uri: this.document?.uri.toString(), process: this.process, which: this.which };
+  }
+
+  private sayNotRunning(): void {
+    const why = this.server.trouble.message;
+    this.status(why ?? "cspdiag is not running: there is no diagram of the text as it is now.");
+  }
+
   private status(text: string, stale = text !== ""): void {
     if (this.picture === undefined) {
-      this.post({ type: "picture", svg: BLANK, name: "", processes: [], parts: {} });
+      this.post({ type: "picture", svg: BLANK, chosen: this.chosen(), processes: [], parts: {} });
     }
     this.post({ type: "status", text, stale: stale && this.picture !== undefined });
   }
@@ -345,43 +375,4 @@ function isProgram(document: vscode.TextDocument): boolean {
 
 function toRange({ start, end }: Range): vscode.Range {
   return new vscode.Range(start.line, start.character, end.line, end.character);
-}
-
-function page(webview: vscode.Webview, extension: vscode.Uri): string {
-  const file = (name: string) => webview.asWebviewUri(vscode.Uri.joinPath(extension, "dist", name)).toString();
-  const nonce = randomBytes(16).toString("base64");
-  const policy = `default-src 'none'; style-src ${webview.cspSource}; script-src 'nonce-${nonce}'`;
-  return `<!DOCTYPE html>
-<html lang="en">
-<head>
-  <meta charset="utf-8">
-  <meta http-equiv="Content-Security-Policy" content="${policy}">
-  <link rel="stylesheet" href="${file("page.css")}">
-  <title>Diagram</title>
-</head>
-<body>
-  <header role="toolbar" aria-label="Diagram">
-    <select id="process" aria-label="Process"></select>
-    <select id="which" aria-label="Which diagram">
-      <option value="both">Both diagrams</option>
-      <option value="communication">Communication</option>
-      <option value="composition">Composition</option>
-    </select>
-    <button id="smaller" title="Smaller (-)" aria-label="Smaller">−</button>
-    <button id="larger" title="Larger (+)" aria-label="Larger">+</button>
-    <button id="fit" title="Fit the width (0)">Fit</button>
-    <button id="export" title="Write an SVG, PNG or PDF">Export…</button>
-  </header>
-  <p id="status" role="status" hidden></p>
-  <section id="steps" role="toolbar" aria-label="Counterexample" hidden>
-    <button id="previous" title="Previous step">◀</button>
-    <button id="next" title="Next step">▶</button>
-    <output id="position"></output>
-    <span id="step" role="status"></span>
-    <button id="leave" title="Leave the counterexample" aria-label="Leave the counterexample">✕</button>
-  </section>
-  <main id="picture" tabindex="0" aria-label="The diagram; Tab goes through its elements, Enter goes to the text"></main>
-  <script nonce="${nonce}" src="${file("page.js")}"></script>
-</body>
-</html>`;
 }

@@ -6,6 +6,7 @@ import type { Step } from "./diagram";
 import { openExample } from "./examples";
 import { Runs } from "./run";
 import { Server } from "./server";
+import { isTrusted } from "./trust";
 
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
   const output = vscode.window.createOutputChannel("cspdiag", { log: true });
@@ -13,7 +14,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const server = new Server(context, output, runs);
   const diagram = new DiagramView(context, server);
   const run = async (plot: boolean, uri: string, environment: string) => {
-    if (server.command !== undefined) {
+    if (server.command !== undefined && (await isTrusted(plot ? "plotted" : "run"))) {
       await runs.run(server.command, vscode.Uri.parse(uri), environment, plot);
     }
   };
@@ -38,6 +39,9 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     vscode.commands.registerCommand("cspdiag.install", () => server.install()),
     vscode.commands.registerCommand("cspdiag.showOutput", () => {
       output.show();
+    }),
+    vscode.commands.registerCommand("cspdiag.showTrouble", () => {
+      server.trouble.show();
     }),
     vscode.commands.registerCommand("cspdiag.openExample", async () => {
       await server.start();

@@ -18,6 +18,7 @@ export interface Surroundings {
   /** The environment variable PATH. */
   searchPath: string;
   platform: NodeJS.Platform;
+  /** Whether a path is that of a file. */
   exists: (file: string) => boolean;
 }
 
@@ -29,9 +30,8 @@ export interface Found {
 
 /** The first cspdiag that is there, in the order of the documentation; undefined if there is none. */
 export function find(around: Surroundings): Found | undefined {
-  const setting = around.setting.trim();
-  if (setting !== "") {
-    const command = expanded(setting, around);
+  if (around.setting.trim() !== "") {
+    const command = expanded(around.setting, around);
     return around.exists(command) ? { command, from: "the setting cspdiag.path" } : undefined;
   }
   return candidates(around).find((candidate) => around.exists(candidate.command));
@@ -59,10 +59,11 @@ function candidates(around: Surroundings): Found[] {
   return found;
 }
 
-/** The path in the setting, with `~` and `${workspaceFolder}` replaced. */
+/** The path in the setting, with `~` and `${workspaceFolder}` replaced; one that is relative begins in the folder. */
 export function expanded(setting: string, around: Surroundings): string {
   const folder = around.folders[0] ?? around.home;
-  return setting.replace(/^~(?=[/\\]|$)/, () => around.home).replaceAll("${workspaceFolder}", () => folder);
+  const named = setting.trim().replace(/^~(?=[/\\]|$)/, () => around.home);
+  return pathsOf(around).resolve(folder, named.replaceAll("${workspaceFolder}", () => folder));
 }
 
 /** The cspdiag of a virtual environment. */

@@ -4,13 +4,20 @@ export type Which = "both" | "communication" | "composition";
 
 /** To the page. */
 export type ToPage =
-  | { type: "picture"; svg: string; name: string; processes: string[]; parts: Record<string, PagePart> }
+  | { type: "picture"; svg: string; chosen: Chosen; processes: string[]; parts: Record<string, PagePart> }
   /** What is to be known about the picture; empty if nothing is. `stale`: the text has changed since. */
   | { type: "status"; text: string; stale: boolean }
   /** The elements at the cursor, by identifier. */
   | { type: "lit"; ids: string[]; reveal: boolean }
   /** A step of a counterexample; `text` is empty if none is shown. */
   | { type: "step"; text: string; position: string; communicating: string[]; waiting: string[] };
+
+/** What a diagram is of, which is kept when the window is loaded again; without a `process` it is that at the cursor. */
+export interface Chosen {
+  uri?: string | undefined;
+  process?: string | undefined;
+  which: Which;
+}
 
 /** What the page knows of an element. */
 export interface PagePart {

@@ -1,10 +1,12 @@
 /** Runs a program in one of its environments; the result is shown where the environment is written. */
 
 import { spawn } from "node:child_process";
+import { existsSync } from "node:fs";
 import { mkdtemp } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import * as path from "node:path";
 import * as vscode from "vscode";
+import { brief, outcome } from "./lenses";
 
 /** How a run ended: its exit code (null if it was stopped), and what it printed. */
 interface Ended {
@@ -40,12 +42,15 @@ export class Runs implements vscode.Disposable {
   withResults(document: vscode.TextDocument, lenses: readonly vscode.CodeLens[]): vscode.CodeLens[] {
     const results = this.results.get(document.uri.toString());
     return lenses.flatMap((lens) => {
+      if (lens.command !== undefined) {
+        lens.command = { ...lens.command, ...brief(lens.command.title) };
+      }
       const environment: unknown = lens.command?.arguments?.[1];
       const result = typeof environment === "string" ? results?.get(environment) : undefined;
       if (result === undefined || lens.command?.command !== "cspdiag.plot") {
         return [lens];
       }
-      return [lens, new vscode.CodeLens(lens.range, { title: result, command: "cspdiag.showOutput" })];
+      return [lens, new vscode.CodeLens(lens.range, { ...brief(result), command: "cspdiag.showOutput" })];
     });
   }
 
@@ -70,9 +75,23 @@ export class Runs implements vscode.Disposable {
       (_, token) => execute(cspdiag, args, path.dirname(uri.fsPath), token),
     );
     this.keep(uri, environment, ended);
-    if (figure !== undefined && ended.status === 0) {
+    if (figure === undefined) {
+      return;
+    }
+    if (existsSync(figure)) {
+      // Also of a run that failed: it shows how it came to that.
       const beside = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
       await vscode.commands.executeCommand("vscode.open", vscode.Uri.file(figure), beside);
+    } else if (ended.status !== null) {
+      await this.without(environment, ended);
+    }
+  }
+
+  /** Says that a run has left no figure, and why. */
+  private async without(environment: string, ended: Ended): Promise<void> {
+    const message = `${environment} has no figure: ${outcome(ended.output, environment)}`;
+    if ((await vscode.window.showErrorMessage(message, "Show Output")) === "Show Output") {
+      this.output.show();
     }
   }
 
@@ -80,15 +99,10 @@ export class Runs implements vscode.Disposable {
     this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
     const key = uri.toString();
     const known = this.results.get(key) ?? new Map<string, string>();
-    known.set(environment, ended.status === null ? "stopped" : firstLine(ended.output));
+    known.set(environment, ended.status === null ? "stopped" : outcome(ended.output, environment));
     this.results.set(key, known);
     this.changed.fire();
   }
-}
-
-/** The line that says how a run ended, or why there was none. */
-export function firstLine(output: string): string {
-  return output.split("\n").find((line) => line.trim() !== "") ?? "ended without a word";
 }
 
 function execute(command: string, args: string[], cwd: string, token: vscode.CancellationToken): Promise<Ended> {

@@ -1,23 +1,29 @@
 /** The language server: found, started, restarted when it ends by itself. */
 
-import { existsSync } from "node:fs";
+import { statSync } from "node:fs";
 import { homedir } from "node:os";
 import * as path from "node:path";
 import * as vscode from "vscode";
 import type { StaticFeature } from "vscode-languageclient/node";
 import { CloseAction, ErrorAction, LanguageClient, State, Trace } from "vscode-languageclient/node";
 import type { Found, Surroundings } from "./find";
-import { find } from "./find";
+import { expanded, find } from "./find";
 import { install, REQUIREMENT } from "./install";
 import type { Problem } from "./probe";
 import { problemOf } from "./probe";
+import { cancellable } from "./progress";
 import { Restarts } from "./restarts";
 import type { Runs } from "./run";
+import type { Way } from "./trouble";
+import { Trouble } from "./trouble";
+import { isTrusted, MANAGE_TRUST } from "./trust";
 
 export class Server implements vscode.Disposable {
   private client: LanguageClient | undefined;
   private found: Found | undefined;
   private starting: Promise<void> | undefined;
+  /** What keeps the server from running. */
+  readonly trouble = new Trouble();
   private readonly changed = new vscode.EventEmitter<LanguageClient | undefined>();
   /** The server is running, or, with undefined, no longer. */
   readonly onDidChange = this.changed.event;
@@ -53,6 +59,7 @@ export class Server implements vscode.Disposable {
   }
 
   async restart(): Promise<void> {
+    await this.starting;
     await this.stop();
     await this.start();
   }
@@ -71,6 +78,7 @@ export class Server implements vscode.Disposable {
 
   dispose(): void {
     void this.stop();
+    this.trouble.dispose();
     this.changed.dispose();
   }
 
@@ -85,21 +93,18 @@ export class Server implements vscode.Disposable {
     if (this.client !== undefined) {
       return;
     }
+    this.trouble.mended();
     const around = await this.surroundings();
     const found = find(around);
     if (found === undefined) {
-      void this.offer(
-        around.setting === ""
-          ? "cspdiag is not installed here: errors, diagrams and proofs need it."
-          : `There is no file ${around.setting}, which the setting cspdiag.path names.`,
-      );
+      this.missing(around);
       return;
     }
     this.output.info(`${found.command}, found in ${found.from}`);
     const problem = await problemOf(found.command);
     if (problem !== undefined) {
       this.output.error(problem.message);
-      void this.offer(advice(problem, found));
+      this.tell(advice(problem, found), [INSTALL, CHOOSE, AGAIN]);
       return;
     }
     await this.connect(found);
@@ -120,6 +125,10 @@ export class Server implements vscode.Disposable {
         middleware: {
           provideCodeLenses: async (document, token, next) =>
             this.runs.withResults(document, (await next(document, token)) ?? []),
+          handleWorkDoneProgress: cancellable(() => this.running),
+          // A proof may run parts of the program.
+          executeCommand: async (command, given, next) =>
+            command !== "cspdiag.verify" || (await isTrusted("proved")) ? (next(command, given) as unknown) : undefined,
         },
         synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.csp") },
         errorHandler: {
@@ -128,9 +137,9 @@ export class Server implements vscode.Disposable {
             const { again, say } = restarts.ended();
             this.output.error(`the server has ended by itself${again ? ", and is started again" : ""}`);
             if (say) {
-              void this.say("The cspdiag server ended by itself, and was started again.", false);
+              void this.sayRestarted();
             } else if (!again) {
-              void this.say("The cspdiag server keeps ending by itself, and is not started again.", true);
+              this.tell("The cspdiag server keeps ending by itself, and is not started again.", [AGAIN, OUTPUT]);
             }
             return { action: again ? CloseAction.Restart : CloseAction.DoNotRestart, handled: true };
           },
@@ -150,29 +159,34 @@ export class Server implements vscode.Disposable {
       await client.setTrace(Trace.fromString(setting("trace.server")));
     } catch (problem) {
       this.client = undefined;
-      void this.say(`The cspdiag server did not start: ${String(problem)}`, true);
+      this.tell(`The cspdiag server did not start: ${String(problem)}`, [AGAIN, OUTPUT]);
     }
   }
 
-  private async say(message: string, isError: boolean): Promise<void> {
-    const show = isError ? vscode.window.showErrorMessage : vscode.window.showWarningMessage;
-    const answer = await show(message, ...(isError ? ["Restart", "Show Output"] : ["Show Output"]));
-    if (answer === "Restart") {
-      await this.restart();
-    } else if (answer === "Show Output") {
+  /** Says what keeps the server from running. */
+  private tell(message: string, ways: readonly Way[]): void {
+    this.trouble.say(message, ways);
+    this.changed.fire(undefined);
+  }
+
+  private async sayRestarted(): Promise<void> {
+    const message = "The cspdiag server ended by itself, and was started again.";
+    if ((await vscode.window.showWarningMessage(message, "Show Output")) === "Show Output") {
       this.output.show();
     }
   }
 
-  /** Says that there is no server, with the ways out. */
-  private async offer(message: string): Promise<void> {
-    const answer = await vscode.window.showWarningMessage(message, "Install…", "Choose…", "Try Again");
-    if (answer === "Install…") {
-      await this.install();
-    } else if (answer === "Choose…") {
-      await vscode.commands.executeCommand("workbench.action.openSettings", "cspdiag.path");
-    } else if (answer === "Try Again") {
-      await this.start();
+  /** Says that there is no cspdiag, with the ways out. */
+  private missing(around: Surroundings): void {
+    if (around.setting.trim() !== "") {
+      const file = expanded(around.setting, around);
+      this.tell(`There is no file ${file}, which the setting cspdiag.path names.`, [INSTALL, CHOOSE, AGAIN]);
+    } else if (around.trusted) {
+      this.tell("cspdiag is not installed here: errors, diagrams and proofs need it.", [INSTALL, CHOOSE, AGAIN]);
+    } else {
+      const message =
+        "This folder is not trusted, so no cspdiag in it is started: that would run a program of the folder. There is no other cspdiag.";
+      this.tell(message, [MANAGE_TRUST, CHOOSE]);
     }
   }
 
@@ -196,10 +210,23 @@ export class Server implements vscode.Disposable {
       home: homedir(),
       searchPath: process.env["PATH"] ?? "",
       platform: process.platform,
-      exists: existsSync,
+      exists: isFile,
     };
   }
 }
+
+function isFile(file: string): boolean {
+  try {
+    return statSync(file).isFile();
+  } catch {
+    return false;
+  }
+}
+
+const INSTALL: Way = { title: "Install…", command: "cspdiag.install" };
+const CHOOSE: Way = { title: "Choose…", command: "workbench.action.openSettings", argument: "cspdiag.path" };
+const AGAIN: Way = { title: "Try Again", command: "cspdiag.restartServer" };
+const OUTPUT: Way = { title: "Show Output", command: "cspdiag.showOutput" };
 
 /** Tells the server which commands its lenses may call here. */
 const LENSES: StaticFeature = {

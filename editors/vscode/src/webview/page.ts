@@ -1,9 +1,9 @@
 /** The page of the diagram: shows the picture, and says what is done with it. */
 
-import type { FromPage, ToPage, Which } from "../messages";
+import type { Chosen, FromPage, ToPage, Which } from "../messages";
 import { Picture } from "./picture";
 
-declare function acquireVsCodeApi(): { postMessage: (message: FromPage) => void };
+declare function acquireVsCodeApi(): { postMessage: (message: FromPage) => void; setState: (state: Chosen) => void };
 
 const api = acquireVsCodeApi();
 
@@ -35,7 +35,9 @@ function show(message: Extract<ToPage, { type: "picture" }>): void {
   }
   const named = message.processes.map((name) => new Option(name, name));
   process.replaceChildren(new Option("At the cursor", ""), ...named);
-  process.value = message.name;
+  process.value = message.chosen.process ?? "";
+  which.value = message.chosen.which;
+  api.setState(message.chosen);
 }
 
 function receive(message: ToPage): void {

@@ -18,7 +18,6 @@ const SETTINGS = {
   "chat.commandCenter.enabled": false,
   "editor.minimap.enabled": false,
   "extensions.ignoreRecommendations": true,
-  "security.workspace.trust.enabled": false,
   "telemetry.telemetryLevel": "off",
   "window.commandCenter": false,
   "workbench.layoutControl.enabled": false,
@@ -37,13 +36,14 @@ async function freePort() {
 /** An editor with a folder open; everything that it writes is in a folder that `close` deletes. */
 export class Editor {
   /** `files` are the files of the folder, by name; a value that is not a text is the path of a file to copy. */
-  static async start({ files, folder = "project", withCspdiag = true, settings = {} }) {
+  static async start({ files, folder = "project", withCspdiag = true, trusted = true, settings = {} }) {
     const editor = new Editor();
     editor.root = mkdtempSync(path.join(tmpdir(), "cspdiag-vscode-"));
     editor.folder = path.join(editor.root, folder);
     const user = path.join(editor.root, "user");
     mkdirSync(path.join(user, "User"), { recursive: true });
-    writeFileSync(path.join(user, "User/settings.json"), JSON.stringify({ ...SETTINGS, ...settings }));
+    const trust = { "security.workspace.trust.enabled": !trusted, "security.workspace.trust.startupPrompt": "never" };
+    writeFileSync(path.join(user, "User/settings.json"), JSON.stringify({ ...SETTINGS, ...trust, ...settings }));
     mkdirSync(editor.folder, { recursive: true });
     for (const [name, content] of Object.entries(files)) {
       const place = path.join(editor.folder, name);
@@ -53,17 +53,15 @@ export class Editor {
         cpSync(content.copy, place);
       }
     }
-    if (withCspdiag) {
-      mkdirSync(path.join(editor.folder, ".venv/bin"), { recursive: true });
-      symlinkSync(CSPDIAG, path.join(editor.folder, ".venv/bin/cspdiag"));
-    }
+    if (withCspdiag) editor.install(".venv");
     const places = ["--user-data-dir", user, "--extensions-dir", path.join(editor.root, "extensions")];
     // Without the cspdiag of whoever runs the tests.
     const env = { ...process.env, HOME: editor.root, PATH: "/usr/bin:/bin", XDG_CONFIG_HOME: editor.root };
     delete env.VSCODE_IPC_HOOK_CLI;
     execFileSync(process.execPath, [CODE_SERVER, ...places, "--install-extension", VSIX], { env, stdio: "pipe" });
     const port = await freePort();
-    const flags = ["--auth", "none", "--disable-telemetry", "--disable-update-check", "--disable-workspace-trust"];
+    const flags = ["--auth", "none", "--disable-telemetry", "--disable-update-check"];
+    if (trusted) flags.push("--disable-workspace-trust");
     editor.server = spawn(
       process.execPath,
       [CODE_SERVER, ...places, ...flags, "--bind-addr", `127.0.0.1:${port}`],
@@ -85,6 +83,24 @@ export class Editor {
     await editor.page.goto(`http://127.0.0.1:${port}/?folder=${encodeURIComponent(editor.folder)}`);
     await editor.page.locator(".monaco-workbench").waitFor();
     return editor;
+  }
+
+  /** Puts cspdiag into an environment of the folder. */
+  install(environment) {
+    const bin = path.join(this.folder, environment, "bin");
+    mkdirSync(bin, { recursive: true });
+    symlinkSync(CSPDIAG, path.join(bin, "cspdiag"));
+  }
+
+  /** Removes an environment of the folder. */
+  uninstall(environment) {
+    rmSync(path.join(this.folder, environment), { recursive: true });
+  }
+
+  /** Writes the settings of the folder. */
+  settings(settings) {
+    mkdirSync(path.join(this.folder, ".vscode"), { recursive: true });
+    writeFileSync(path.join(this.folder, ".vscode/settings.json"), JSON.stringify(settings));
   }
 
   /** Changes the colours. */
@@ -122,6 +138,8 @@ export class Editor {
 
   /** Opens a file of the folder, at a line and column if they are given. */
   async open(name, line, column = 1) {
+    // Not into the group of the diagram.
+    await this.page.keyboard.press("Control+1");
     // The whole path: names alone are looked for with ripgrep, which may not be there.
     await this.quickly(path.join(this.folder, name), name);
     await this.page.locator(".tab.active", { hasText: name }).waitFor();
@@ -130,17 +148,19 @@ export class Editor {
 
   /** Puts the cursor of the active editor into a line. */
   async goTo(line, column = 1) {
+    await this.page.keyboard.press("Control+1");
     await this.page.keyboard.press("Control+g");
     const input = this.page.locator(".quick-input-widget input");
     await input.waitFor();
     await input.fill(`:${line}:${column}`);
+    await this.page.locator(".quick-input-list .monaco-list-row.focused", { hasText: `line ${line}` }).waitFor();
     await this.page.keyboard.press("Enter");
     await this.page.locator(".quick-input-widget").waitFor({ state: "hidden" });
   }
 
   /** Waits for a notification with a text. */
   async notification(text) {
-    const found = this.page.locator(".notification-list-item", { hasText: text }).first();
+    const found = this.page.locator(".notification-toast .notification-list-item", { hasText: text }).first();
     await found.waitFor();
     return found;
   }
@@ -152,7 +172,7 @@ export class Editor {
 
   /** Waits until something is so. */
   async until(holds) {
-    for (let tries = 0; !holds(); tries++) {
+    for (let tries = 0; !(await holds()); tries++) {
       if (tries > 300) throw new Error(`never so: ${holds}`);
       await new Promise((resolve) => setTimeout(resolve, 100));
     }
@@ -161,7 +181,7 @@ export class Editor {
   /** The processes of the language server of this editor. */
   servers() {
     const lines = execFileSync("ps", ["-eo", "pid,args"], { encoding: "utf8" }).split("\n");
-    return lines.filter((line) => line.includes(`${this.folder}/.venv/bin/cspdiag lsp`)).map((line) => parseInt(line));
+    return lines.filter((line) => line.includes(`${this.folder}/`) && line.includes("/bin/cspdiag lsp")).map((line) => parseInt(line));
   }
 
   async screenshot(name) {

@@ -1,6 +1,6 @@
 // The extension in an editor, as its user meets it.
 import assert from "node:assert/strict";
-import { readFileSync, unlinkSync } from "node:fs";
+import { existsSync, readFileSync, unlinkSync } from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
 import { Editor } from "./editor.mjs";
@@ -23,6 +23,17 @@ process Main {
 assert Main deadlock free
 `;
 
+const FAULT = `process Divider {
+  out y : int
+  communication { var z : int = 0 }
+  composition { y ! 1 ; z := 1 / z ; y ! z }
+}
+environment Bench for Divider { y -> _ }
+`;
+
+const TABLE = readFileSync(path.join(MODELS, "dining/table.csp"), "utf8");
+const SLOW = `${TABLE.replace("seats = 5", "seats = 120")}\nassert Table deadlock free\n`;
+
 /** @type {Editor} */
 let editor;
 
@@ -40,7 +51,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP, "half.csp": HALF, "crossed.csp": CROSSED, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const files = { "slip.csp": SLIP, "half.csp": HALF, "crossed.csp": CROSSED, "fault.csp": FAULT, "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
   editor = await Editor.start({ files, folder: "my project #1" });
 });
@@ -142,6 +153,29 @@ step("an environment is run and plotted where it is written", async () => {
   await editor.screenshot("plot");
 });
 
+step("a run that fails is plotted, too", async () => {
+  await editor.open("fault.csp", 6);
+  await editor.page.locator(".codelens-decoration a", { hasText: "Plot" }).first().click();
+  await editor.page.locator(".codelens-decoration", { hasText: "ended unsuccessfully at 0 s: Fault: division" }).waitFor();
+  await editor.page.locator(".tab.active", { hasText: "Bench.png" }).waitFor();
+  await editor.screenshot("plot-fault");
+  await editor.open("wrong.csp", 6);
+  await editor.page.locator(".codelens-decoration a", { hasText: "Plot" }).first().click();
+  const without = await editor.notification("Bench has no figure: error[E0204]: there is no");
+  await without.locator(".codicon-notifications-clear").click();
+});
+
+step("a proof that takes long is shown, and can be cancelled", async () => {
+  await editor.open("slow.csp");
+  await editor.goTo(SLOW.split("\n").length - 1);
+  await editor.page.locator(".codelens-decoration a", { hasText: "Verify" }).click();
+  const shown = await editor.notification("Verifying `assert Table deadlock free`");
+  await editor.screenshot("verifying");
+  await shown.locator("a.monaco-button", { hasText: "Cancel" }).click();
+  await shown.waitFor({ state: "hidden" });
+  await editor.page.locator(".codelens-decoration a", { hasText: /^Verify$/ }).waitFor();
+});
+
 step("a counterexample is stepped through in the diagram", async () => {
   await editor.open("crossed.csp");
   await editor.goTo(12);
@@ -156,8 +190,52 @@ step("a counterexample is stepped through in the diagram", async () => {
   await editor.diagram.locator("#Main-right.waiting").waitFor();
   assert.equal(await editor.diagram.locator(".communicating").count(), 0);
   await editor.screenshot("counterexample");
+  await editor.diagram.locator("#process").selectOption("Left");
+  await editor.diagram.locator("#step", { hasText: "This step is in the diagram of Main" }).waitFor();
+  await editor.screenshot("counterexample-elsewhere");
+  await editor.diagram.locator("#previous").click();
+  await editor.diagram.locator("#Main-right-b-left-b.communicating").waitFor();
   await editor.diagram.locator("#leave").click();
   await editor.diagram.locator("#steps").waitFor({ state: "hidden" });
+});
+
+step("after a change the lens has the answer of before", async () => {
+  await editor.open("crossed.csp", 1);
+  await editor.page.keyboard.type("// hello\n");
+  await editor.goTo(13);
+  const lens = editor.page.locator(".codelens-decoration a", { hasText: "Verify again (refuted before the change:" });
+  await lens.waitFor();
+  await editor.screenshot("verify-again");
+  const [start, end] = [await lens.boundingBox(), await editor.page.locator(".editor-instance").first().boundingBox()];
+  assert.ok(start.x > end.x && start.x + start.width < end.x + end.width);
+  for (let undone = 0; undone < 3; undone++) await editor.page.keyboard.press("Control+z");
+  await editor.page.locator(".view-line", { hasText: "hello" }).waitFor({ state: "hidden" });
+});
+
+step("an export is asked for another name if its ending is no format", async () => {
+  const input = editor.page.locator(".quick-input-widget input").first();
+  await editor.diagram.locator("#export").click();
+  await input.waitFor();
+  await input.fill(path.join(editor.folder, "odd.jpg"));
+  await editor.page.locator(".quick-input-widget a.monaco-button", { hasText: "OK" }).click();
+  const dialog = editor.page.locator(".monaco-dialog-box", { hasText: "has to be .svg, .png or .pdf" });
+  await dialog.waitFor();
+  await editor.screenshot("export-odd");
+  await dialog.locator("a.monaco-button", { hasText: "Choose Another Name" }).click();
+  await editor.until(async () => (await input.inputValue()).endsWith("/odd.svg"));
+  await editor.page.locator(".quick-input-widget a.monaco-button", { hasText: "OK" }).click();
+  await editor.until(() => existsSync(path.join(editor.folder, "odd.svg")));
+  assert.ok(!existsSync(path.join(editor.folder, "odd.jpg")));
+});
+
+step("the process that was chosen stays when the window is loaded again", async () => {
+  await editor.diagram.locator("#process").selectOption("Right");
+  await editor.diagram.locator("#which").selectOption("composition");
+  await editor.diagram.locator("svg", { hasText: "composition of Right" }).waitFor();
+  await editor.command("Developer: Reload Window");
+  await editor.diagram.locator("svg", { hasText: "composition of Right" }).waitFor({ timeout: 60_000 });
+  assert.equal(await editor.diagram.locator("#which").inputValue(), "composition");
+  await editor.diagram.locator("#which").selectOption("both");
 });
 
 step("a file of ten megabytes says that it is not checked", async () => {

@@ -46,6 +46,8 @@ test("what the setting names is taken, or nothing", () => {
   const found = (setting: string, there: string[]) => find(around([...there, ...EVERYWHERE], { setting }))?.command;
   assert.equal(found("~/env/bin/cspdiag", ["/home/ada/env/bin/cspdiag"]), "/home/ada/env/bin/cspdiag");
   assert.equal(found("${workspaceFolder}/c$&", ["/project #1/c$&"]), "/project #1/c$&");
+  assert.equal(found("env/bin/cspdiag", ["/project #1/env/bin/cspdiag"]), "/project #1/env/bin/cspdiag");
+  assert.equal(found("../cspdiag", ["/cspdiag"]), "/cspdiag");
   assert.equal(found("/not/there", []), undefined);
 });
 

@@ -1,0 +1,21 @@
+/** Lenses as short as the editor needs them. Nothing here knows VS Code, so that it can be tested alone. */
+
+/** The longest title, in characters: the editor cuts lenses that are wider than it at their beginning. */
+const LONGEST = 48;
+
+/** A title that is not too long, with the whole as its tooltip if it was. */
+export function brief(title: string): { title: string; tooltip?: string } {
+  if (title.length <= LONGEST) {
+    return { title };
+  }
+  const words = title.slice(0, LONGEST - 1);
+  const end = words.lastIndexOf(" ");
+  return { title: `${words.slice(0, end > LONGEST / 2 ? end : undefined)}…`, tooltip: title };
+}
+
+/** How a run has ended, or why there was none: the first line of what it printed, without what the lens is at. */
+export function outcome(output: string, environment: string): string {
+  const line = output.split("\n").find((each) => each.trim() !== "") ?? "ended without a word";
+  const start = line.indexOf(` in ${environment}: `);
+  return /^\w+$/.test(line.slice(0, Math.max(start, 0))) ? line.slice(start + ` in ${environment}: `.length) : line;
+}
