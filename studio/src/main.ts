@@ -4,13 +4,16 @@ import { Diagram } from "./diagram/diagram";
 import { Editor } from "./editor/editor";
 import { Problems } from "./editor/problems";
 import { Connection } from "./engine/engine";
-import type { Fix, Model, Place, Program } from "./engine/messages";
+import type { Fix, Hello, Model, Place, Program, Running } from "./engine/messages";
 import { chosen } from "./engine/transports";
+import { Generate } from "./generate/generate";
 import { button, element, options, settled } from "./page/dom";
 import { markdown } from "./page/markdown";
 import { theme } from "./page/theme";
+import { viewers } from "./page/viewers";
 import { tabs } from "./page/views";
 import { decoded, encoded } from "./program/link";
+import { Saving } from "./program/saving";
 import { Workspace } from "./program/workspace";
 import { Proofs } from "./proofs/proofs";
 import { RunPanel } from "./run/panel";
@@ -26,6 +29,7 @@ const dialog = element("dialog", HTMLDialogElement);
 const message = element("message", HTMLElement);
 const layout = element("layout", HTMLElement);
 
+const quiet = settled(4000, () => say(message, ""));
 const workspace = new Workspace();
 const engine = new Connection(chosen(), (reason) => say(status, `The engine is gone: ${reason}.`, true));
 const diagram = new Diagram(engine, workspace, go);
@@ -51,6 +55,9 @@ const editor = new Editor(element("editor", HTMLElement), {
   fix,
   format: () => void format(),
 });
+const generate = new Generate(engine, workspace);
+const saving = new Saving(engine, workspace, tell);
+const showHand = viewers(engine, tell, (controls) => run.control(controls));
 const showPart = tabs(element("parts", HTMLElement), (view) => (layout.dataset["part"] = view));
 const showSide = tabs(element("sides", HTMLElement), (view) => (layout.dataset["side"] = view));
 
@@ -60,7 +67,6 @@ function say(where: HTMLElement, text: string, bad = false): void {
 }
 
 /** Tells something for some seconds. */
-const quiet = settled(4000, () => say(message, ""));
 function tell(text: string): void {
   say(message, text);
   quiet();
@@ -128,6 +134,7 @@ async function check(): Promise<void> {
   }
   checking = true;
   checked = workspace.version;
+  generate.reset();
   diagram.draw();
   try {
     const result = await engine.request("check", workspace.sources());
@@ -177,14 +184,27 @@ function offer(known: readonly Model[]): void {
   });
 }
 
-async function opened(known: readonly Model[], given: Program | undefined): Promise<void> {
+/** Shows a program that another page runs. */
+async function follow(running: Running): Promise<void> {
+  await open({ files: running.files, main: running.main });
+  await run.follow(running);
+}
+
+async function opened({ models: known, program, running, able }: Hello): Promise<void> {
+  if (program != null && able?.["save"] === true) {
+    saving.offer(program);
+  }
+  if (running != null) {
+    await follow(running);
+    return;
+  }
   let linked: Program | undefined;
   try {
     linked = await decoded(location.hash);
   } catch (problem) {
     tell(problem instanceof Error ? problem.message : String(problem));
   }
-  const first = linked ?? given ?? known.find((model) => model.name === "jiwy") ?? known[0];
+  const first = linked ?? program ?? known.find((model) => model.name === "jiwy") ?? known[0];
   if (first !== undefined) {
     models.value = "name" in first && typeof first.name === "string" ? first.name : "";
     await open(first);
@@ -193,6 +213,7 @@ async function opened(known: readonly Model[], given: Program | undefined): Prom
 
 function listen(): void {
   workspace.onChange(checkSoon);
+  engine.on("started", (running) => void follow(running));
   element("share", HTMLButtonElement).addEventListener("click", () => void share());
   element("format", HTMLButtonElement).addEventListener("click", () => void format());
   element("dialog-close", HTMLButtonElement).addEventListener("click", () => dialog.close());
@@ -223,7 +244,12 @@ async function begin(): Promise<void> {
     const hello = await engine.request("hello", {});
     say(status, hello.engine === "machine" ? `On this machine · ${hello.version}` : `In this browser · ${hello.version}`);
     offer(hello.models);
-    await opened(hello.models, hello.program ?? undefined);
+    generate.offer(hello.targets ?? []);
+    proofs.canCancel = hello.viewers !== undefined;
+    if (hello.hand !== undefined) {
+      showHand({ hand: hello.hand, viewers: hello.viewers ?? 1 });
+    }
+    await opened(hello);
   } catch (problem) {
     say(status, `The engine did not start: ${problem instanceof Error ? problem.message : String(problem)}.`, true);
   }

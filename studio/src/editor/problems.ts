@@ -42,7 +42,7 @@ export class Problems {
       ...finding.related.map((each) =>
         h("p", { class: "related" }, ...inline(each.message), " ", button(where(each.place), () => this.actions.go(each.place), { class: "link place" })),
       ),
-      ...finding.fixes.map((fix) => button(fix.title, () => this.actions.fix(fix), { class: "fix" })),
+      ...finding.fixes.map((fix) => button(inline(fix.title), () => this.actions.fix(fix), { class: "fix" })),
     );
   }
 }

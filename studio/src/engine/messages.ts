@@ -109,6 +109,8 @@ export interface Waiting {
   process: string;
   channels: string[];
   for?: string | null;
+  /** The processes that it waits for. */
+  partners?: string[] | null;
 }
 
 export interface Step {
@@ -186,18 +188,29 @@ export interface Frame {
 
 export interface Ended {
   session: string;
-  at: number;
+  at: number | null;
   reason: string;
   text: string;
   waiting?: Waiting[] | null;
 }
 
-export interface Hello {
+/** A run that another page controls. */
+export interface Running extends Program, StartResult {}
+
+export interface HandState {
+  /** Whether this page controls the program. */
+  hand: boolean;
+  viewers: number;
+}
+
+export interface Hello extends Partial<HandState> {
   engine: string;
   version: string;
   able?: Record<string, boolean>;
   models: Model[];
   program?: Program | null;
+  targets?: string[];
+  running?: Running | null;
 }
 
 type At = { place: { file: string } & Position } & Program;
@@ -213,7 +226,11 @@ export interface Requests {
   draw: { params: Program & { view: string; of?: string; depth?: number }; result: DrawResult };
   explain: { params: { code: string }; result: { markdown: string } };
   verify: { params: Program & { only?: string }; result: Answer[] };
-  compile: { params: Program & { target: string; level?: string }; result: { files: Record<string, string> } };
+  timing: { params: Program; result: { text: string } };
+  cancel: { params: Record<string, never>; result: unknown };
+  take_hand: { params: Record<string, never>; result: unknown };
+  save: { params: { file: string; text: string; before: string }; result: unknown };
+  compile: { params: Program & { target: string; level?: number }; result: { files: Record<string, string> } };
   start: {
     params: Program & { environment?: string; set?: Record<string, string>; real_time?: boolean };
     result: StartResult;
@@ -233,4 +250,6 @@ export interface Notifications {
   frame: Frame;
   ended: Ended;
   log: { text: string };
+  hand: HandState;
+  started: Running;
 }

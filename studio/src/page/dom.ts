@@ -20,11 +20,11 @@ export function h<K extends keyof HTMLElementTagNameMap>(
 
 /** A button that acts. */
 export function button(
-  label: string,
+  label: string | Child[],
   act: () => void,
   attributes: Record<string, string | undefined> = {},
 ): HTMLButtonElement {
-  const made = h("button", { type: "button", ...attributes }, label);
+  const made = h("button", { type: "button", ...attributes }, ...(typeof label === "string" ? [label] : label));
   made.addEventListener("click", act);
   return made;
 }

@@ -110,7 +110,7 @@ export class Film {
     ];
     const list = h(
       "ol",
-      {},
+      { tabindex: "0", "aria-label": "Steps" },
       ...this.steps.map((each, index) => {
         const when = each.time == null ? "" : `${clock(each.time)} `;
         const row = h("li", index === this.index ? { "aria-current": "step" } : {}, button(`${when}${each.text}`, () => this.move(index - this.index), { class: "link" }));
@@ -128,7 +128,8 @@ export class Film {
     if (focused != null) {
       this.room.querySelector<HTMLElement>(`[data-act=${focused}]`)?.focus();
     }
-    list.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest" });
+    const current = list.querySelector<HTMLElement>("[aria-current]");
+    list.scrollTop = (current?.offsetTop ?? 0) - list.clientHeight / 2;
     this.diagram.mark({ running: [], waiting, communicating: step.channel == null ? [] : [step.channel] });
   }
 }

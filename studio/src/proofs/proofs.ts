@@ -4,6 +4,7 @@ import type { Diagram } from "../diagram/diagram";
 import type { Engine } from "../engine/engine";
 import type { Answer, Assertion, Counterexample, Fix, Place } from "../engine/messages";
 import { button, element, h } from "../page/dom";
+import { inline } from "../page/markdown";
 import type { Workspace } from "../program/workspace";
 import { Film } from "./film";
 
@@ -17,6 +18,9 @@ export class Proofs {
   private assertions: Assertion[] = [];
   private answers: Answer[] = [];
   private version = -1;
+  private busy = false;
+  /** Whether work that is under way can be ended. */
+  canCancel = false;
 
   constructor(
     private readonly engine: Engine,
@@ -41,7 +45,13 @@ export class Proofs {
   }
 
   private async ask(): Promise<void> {
-    this.prove.disabled = true;
+    if (this.busy) {
+      await this.engine.request("cancel", {}).catch(() => undefined);
+      return;
+    }
+    this.busy = true;
+    this.prove.textContent = this.canCancel ? "Cancel" : "Proving …";
+    this.prove.disabled = !this.canCancel;
     this.say("Proving …");
     const version = this.workspace.version;
     try {
@@ -53,6 +63,8 @@ export class Proofs {
     } catch (problem) {
       this.say(problem instanceof Error ? problem.message : String(problem));
     }
+    this.busy = false;
+    this.prove.textContent = "Prove all";
     this.prove.disabled = false;
     this.paint();
   }
@@ -87,11 +99,11 @@ export class Proofs {
         {},
         title,
         h("span", { class: "word" }, answer.verdict),
-        h("p", {}, answer.text),
+        h("p", {}, ...inline(answer.text)),
         counterexample == null || counterexample.steps.length === 0
           ? undefined
           : button("Show the counterexample", () => this.play(answer.assertion, counterexample)),
-        suggestion == null ? undefined : button(suggestion.title, () => this.fix(suggestion)),
+        suggestion == null ? undefined : button(inline(suggestion.title), () => this.fix(suggestion)),
       ),
     );
   }

@@ -1,7 +1,7 @@
 /** The part of the page that runs the program: its buttons, its pictures, its past. */
 
 import type { Diagram } from "../diagram/diagram";
-import type { CheckResult, ParameterInfo } from "../engine/messages";
+import type { CheckResult, ParameterInfo, StartResult } from "../engine/messages";
 import { button, element, options } from "../page/dom";
 import type { Workspace } from "../program/workspace";
 import { Hand } from "./hand";
@@ -39,6 +39,8 @@ export class RunPanel {
   private readonly parameters: Parameters;
   private known: ParameterInfo[] = [];
   private ranVersion = -1;
+  /** Whether this page controls the program. */
+  private controls = true;
   private painting = false;
   private begun: unknown;
 
@@ -94,6 +96,18 @@ export class RunPanel {
     }
   }
 
+  /** This page controls the program, or only shows it. */
+  control(controls: boolean): void {
+    this.controls = controls;
+    this.soon();
+  }
+
+  /** A run that another page has begun, of the program that is open. */
+  async follow(running: StartResult): Promise<void> {
+    this.ranVersion = this.workspace.version;
+    await this.session.follow(running);
+  }
+
   repaint(): void {
     this.plots.repaint();
     this.soon();
@@ -126,7 +140,8 @@ export class RunPanel {
       return true;
     }
     this.ranVersion = this.workspace.version;
-    return session.start(this.workspace.sources(), this.environment.value, this.speed.value === "1");
+    // With the pictures, which other pages show, too.
+    return session.start(this.workspace.program, this.environment.value, this.speed.value === "1");
   }
 
   /** Paints once in each frame of the screen, however much has happened. */
@@ -152,10 +167,11 @@ export class RunPanel {
       this.plantRoom.hidden = !this.plant.open(pictureOf(this.workspace.program, started.environment ?? this.environment.value), names);
     }
     this.run.textContent = phase === "playing" ? "Pause" : phase === "ended" ? "Again" : phase === "paused" ? "Resume" : "Run";
-    this.run.disabled = phase === "starting";
+    this.run.disabled = phase === "starting" || !this.controls;
+    this.step.disabled = !this.controls && session.live;
     const any = started !== undefined;
     this.back.disabled = !any || session.shown <= 0;
-    this.stop.disabled = !any || phase === "ended";
+    this.stop.disabled = !any || phase === "ended" || !this.controls;
     this.empty.hidden = any || session.problem !== "";
     this.showTime();
     this.showNote();

@@ -56,6 +56,16 @@ export class Session {
     return true;
   }
 
+  /** Shows a run that another page has begun. */
+  async follow(running: StartResult): Promise<void> {
+    this.started = undefined;
+    await this.leave();
+    this.started = running;
+    this.recording = new Recording(running.signals.map((signal) => signal.name));
+    this.phase = "playing";
+    this.changed();
+  }
+
   /** Continues; speed 1 is real time, 0 as fast as it goes. */
   async play(speed: number): Promise<void> {
     if (this.started === undefined || this.ended !== undefined) {
@@ -179,7 +189,7 @@ export class Session {
     if (ended.session === this.started?.session) {
       this.ended = ended;
       this.phase = "ended";
-      this.recording.end(ended.at, ended.waiting ?? []);
+      this.recording.end(ended.at ?? this.recording.now, ended.waiting ?? []);
       this.changed();
     }
   }

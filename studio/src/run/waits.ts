@@ -3,7 +3,10 @@
 import type { Waiting } from "../engine/messages";
 import { h } from "../page/dom";
 
-export function sentence({ process, channels, for: what }: Waiting): string {
+export function sentence({ process, channels, for: what, partners }: Waiting): string {
+  if (partners != null && partners.length > 0 && what != null) {
+    return `${process} ${what}: for ${partners.join(", ")}`;
+  }
   const where = channels.length === 0 ? "" : ` on ${channels.join(", ")}`;
   if (what == null || what === "") {
     return `${process} waits${where}`;
@@ -11,6 +14,13 @@ export function sentence({ process, channels, for: what }: Waiting): string {
   return /\bwait/.test(what) ? `${process} ${what}` : `${process} waits${where} for ${what}`;
 }
 
+/** What all paths begin with: the name of the whole program and a dot; without paths nothing that occurs in texts. */
+function common(paths: readonly string[]): string {
+  const first = /^[^.]*\./.exec(paths[0] ?? "")?.[0];
+  return first !== undefined && paths.length > 1 && paths.every((path) => path.startsWith(first)) ? first : "\0";
+}
+
 export function list(waiting: readonly Waiting[]): HTMLElement {
-  return h("ul", { class: "waits" }, ...waiting.map((each) => h("li", {}, sentence(each))));
+  const top = common(waiting.map((each) => each.process));
+  return h("ul", { class: "waits", tabindex: "0", "aria-label": "Who waits" }, ...waiting.map((each) => h("li", {}, sentence(each).replaceAll(top, ""))));
 }

@@ -1,5 +1,6 @@
 // The page alone, with an engine whose answers are written down.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
@@ -90,7 +91,7 @@ test("a deadlock is seen as it happens: who waits for whom", async () => {
   await page.getByLabel("Speed").selectOption("5");
   await page.keyboard.press("F5");
   await page.getByText("Deadlock: no process can continue.").waitFor();
-  assert.equal(await page.locator("#ui-run-note li").first().textContent(), "Pair.left waits to write on token, for right");
+  assert.equal(await page.locator("#ui-run-note li").first().textContent(), "left waits to write on token, for right");
   await page.locator("#Pair-token.waiting").waitFor({ state: "attached" });
   await screenshot(page, "deadlock");
   await page.close();
@@ -109,6 +110,19 @@ test("a counterexample is a film, and its suggestion mends the text", async () =
   await page.keyboard.press("Escape");
   await page.getByRole("button", { name: "let right read first" }).click();
   await page.locator(".cm-line", { hasText: "// mended" }).waitFor();
+  await page.close();
+});
+
+test("generated code is read and downloaded, and belongs to the text as it is", async () => {
+  const page = await studio.open();
+  await page.getByRole("tab", { name: "Generate" }).click();
+  await page.getByRole("button", { name: "Generate" }).click();
+  await page.locator("#ui-listing", { hasText: "int main" }).waitFor();
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Download" }).click()]);
+  assert.equal(download.suggestedFilename(), "pair-c.tar");
+  assert.match(execFileSync("tar", ["-xOf", await download.path(), "pair/pair.c"], { encoding: "utf8" }), /^int main/);
+  await write(page, "process Other {}\n");
+  await page.locator("#ui-listing:empty").waitFor({ state: "attached" });
   await page.close();
 });
 
@@ -170,6 +184,9 @@ test("hostile texts stay texts, wherever they reach the page", async () => {
   await page.getByRole("button", { name: "Prove all" }).click();
   await page.getByRole("button", { name: "Show the counterexample" }).click();
   await page.locator("#ui-film .caption").waitFor();
+  await page.getByRole("tab", { name: "Generate" }).click();
+  await page.getByRole("button", { name: "Generate" }).click();
+  await page.locator("#ui-generated li").waitFor();
   await page.locator("#ui-diagram svg > rect").click();
   assert.equal(await page.evaluate(() => window.hacked), undefined);
   assert.equal(await page.locator("body img, body script, svg script, svg image, svg a[href], [onclick], [onload], [onerror]").count(), 0);

@@ -53,7 +53,7 @@ function end(reason, text, waiting = []) {
 }
 
 const ANSWERS = {
-  hello: () => ({ engine: "machine", version: word("0"), able: {}, models: [{ name: "pair", title: word("A pair"), ...PROGRAM, files: { ...PROGRAM.files, "pair.svg": PICTURE } }] }),
+  hello: () => ({ engine: "machine", version: word("0"), able: {}, targets: [word("c")], models: [{ name: "pair", title: word("A pair"), ...PROGRAM, files: { ...PROGRAM.files, "pair.svg": PICTURE } }] }),
   check: ({ files }) => {
     const text = files["pair.csp"];
     const wrong = /slip/.test(text);
@@ -90,6 +90,8 @@ const ANSWERS = {
       counterexample: { steps: [{ text: word("left writes 1 on token to right"), channel: "Pair.token", writer: "Pair.left", reader: "Pair.right", value: "1" }], final: { text: word("both wait for each other"), waiting: WAITING } },
     },
   ],
+  compile: () => ({ files: { [word("pair/pair.c")]: word("int main(void);\n") } }),
+  timing: () => ({ text: word("left  1 ms") }),
   start: () => {
     now = 0;
     stick = 0;

@@ -1,0 +1,103 @@
+/** Generated code to read and to download, and the timing analysis. */
+
+import type { Engine } from "../engine/engine";
+import { button, element, h, options } from "../page/dom";
+import type { Workspace } from "../program/workspace";
+import { archive } from "./archive";
+
+export class Generate {
+  private readonly target = element("target", HTMLSelectElement);
+  private readonly level = element("level", HTMLSelectElement);
+  private readonly download = element("download", HTMLButtonElement);
+  private readonly note = element("generate-note", HTMLElement);
+  private readonly list = element("generated", HTMLElement);
+  private readonly listing = element("listing", HTMLElement);
+  private files: Record<string, string> = {};
+
+  constructor(
+    private readonly engine: Engine,
+    private readonly workspace: Workspace,
+  ) {
+    element("generate", HTMLButtonElement).addEventListener("click", () => void this.generate());
+    element("timing", HTMLButtonElement).addEventListener("click", () => void this.timing());
+    this.download.addEventListener("click", () => this.save());
+  }
+
+  offer(targets: readonly string[]): void {
+    options(this.target, targets.map((name) => [name, name] as const));
+  }
+
+  /** The program has changed: what was generated is not its code any more. */
+  reset(): void {
+    this.show({});
+    this.listing.textContent = "";
+    this.say("");
+  }
+
+  private async generate(): Promise<void> {
+    const asked = { ...this.workspace.sources(), target: this.target.value, level: Number(this.level.value) };
+    await this.answer(async () => this.show((await this.engine.request("compile", asked)).files));
+  }
+
+  private async timing(): Promise<void> {
+    await this.answer(async () => {
+      const { text } = await this.engine.request("timing", this.workspace.sources());
+      this.show({});
+      this.listing.textContent = text;
+    });
+  }
+
+  private async answer(request: () => Promise<void>): Promise<void> {
+    this.say("One moment …");
+    const version = this.workspace.version;
+    try {
+      await request();
+      this.say("");
+    } catch (problem) {
+      this.show({});
+      this.say(problem instanceof Error ? problem.message : String(problem));
+    }
+    if (version !== this.workspace.version) {
+      this.reset();
+    }
+  }
+
+  private say(text: string): void {
+    this.note.textContent = text;
+    this.note.hidden = text === "";
+  }
+
+  private show(files: Record<string, string>): void {
+    this.files = files;
+    const names = Object.keys(files).sort();
+    this.download.disabled = names.length === 0;
+    const buttons = names.map((name) => button(name, () => this.choose(name, buttons), { class: "link" }));
+    this.list.replaceChildren(...buttons.map((each) => h("li", {}, each)));
+    this.listing.textContent = "";
+    const stem = this.stem();
+    const first = names.find((name) => new RegExp(`(?:^|/)${stem}\\.(?:c|py)$`).test(name)) ?? names[0];
+    if (first !== undefined) {
+      this.choose(first, buttons);
+    }
+  }
+
+  private choose(name: string, buttons: readonly HTMLButtonElement[]): void {
+    this.listing.textContent = this.files[name] ?? "";
+    this.listing.scrollTo(0, 0);
+    for (const each of buttons) {
+      each.setAttribute("aria-pressed", String(each.textContent === name));
+    }
+  }
+
+  /** The name of the program, as file names have it. */
+  private stem(): string {
+    const name = this.workspace.program.main.replace(/^.*\//, "").replace(/\.csp$/, "");
+    return name.replaceAll(/[^A-Za-z0-9_-]/g, "_");
+  }
+
+  private save(): void {
+    const address = URL.createObjectURL(new Blob([archive(this.files)], { type: "application/x-tar" }));
+    h("a", { href: address, download: `${this.stem()}-${this.target.value}.tar` }).click();
+    setTimeout(() => URL.revokeObjectURL(address), 10_000);
+  }
+}

@@ -1,0 +1,98 @@
+// The page with the engine of this checkout.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { REAL, Studio, screenshot, write } from "./page.mjs";
+
+let studio;
+
+before(async () => {
+  studio = await Studio.start(REAL);
+});
+after(() => studio.close());
+
+/** A program of the list. */
+async function choose(page, name) {
+  await page.getByLabel("Example", { exact: true }).selectOption(name);
+}
+
+test("JIWY is there at once, with its diagram and the picture of its plant", async () => {
+  const page = await studio.open();
+  await page.locator(".cm-line", { hasText: 'import "laws.csp"' }).waitFor();
+  await page.locator("#Jiwy-horizontal").waitFor();
+  await page.getByText("pan, from above").waitFor();
+  await page.getByText("No problems").waitFor();
+  await screenshot(page, "jiwy");
+  assert.deepEqual(page.complaints, []);
+  await page.close();
+});
+
+test("an instance is opened by keyboard, and its composition shown", async () => {
+  const page = await studio.open();
+  await page.locator("#Jiwy-horizontal").focus();
+  await page.keyboard.press("Shift+Enter");
+  await page.locator("#ui-diagram svg", { hasText: "motionControl" }).waitFor();
+  await page.getByLabel("Kind of diagram").selectOption("composition");
+  await page.locator("#ui-diagram .cspdiag", { hasText: "alignR" }).waitFor();
+  await page.getByLabel("Kind of diagram").selectOption("communication");
+  await page.getByLabel("Process", { exact: true }).selectOption("");
+  await page.locator("#Jiwy-horizontal").waitFor();
+  await page.getByLabel("Levels shown").selectOption("2");
+  await page.locator("#ui-diagram svg", { hasText: "motionControl" }).waitFor();
+  await page.close();
+});
+
+test("a slip is found as it is written, explained and mended", async () => {
+  const page = await studio.open();
+  await write(page, "const period = 1 ms\nconst slow = 10 * peroid\n");
+  await page.locator("#ui-problems li", { hasText: "there is no value" }).waitFor();
+  await page.getByRole("button", { name: "E0204" }).click();
+  await page.getByRole("dialog").getByText("Refused:").waitFor();
+  await page.keyboard.press("Escape");
+  await page.locator("#ui-problems .fix").first().click();
+  await page.locator(".cm-line", { hasText: "10 * period" }).waitFor();
+  await page.getByText("No problems").waitFor();
+  await page.close();
+});
+
+test("completion, hover and format come from the engine", async () => {
+  const page = await studio.open();
+  await write(page, "process  Quiet {\n  composition { sk");
+  await page.keyboard.press("Control+Space");
+  await page.locator(".cm-tooltip-autocomplete li", { hasText: "skip" }).click();
+  await page.keyboard.press("Control+End");
+  await page.keyboard.insertText(" }\n}\n");
+  await page.getByText("No problems").waitFor();
+  await page.keyboard.press("Shift+Alt+F");
+  await page.locator(".cm-line", { hasText: "process Quiet {" }).waitFor();
+  await page.locator(".cm-line", { hasText: "process Quiet {" }).locator("span", { hasText: "Quiet" }).hover();
+  await page.locator(".cm-tooltip .hover").waitFor();
+  await page.close();
+});
+
+test("the philosophers deadlock before one's eyes, and the suggestion mends them", async () => {
+  const page = await studio.open();
+  await choose(page, "dining/deadlock");
+  await page.locator("#ui-diagram svg", { hasText: "philosopher" }).waitFor();
+  await page.getByRole("tab", { name: "Prove" }).click();
+  await page.getByRole("button", { name: "Prove all" }).click();
+  await page.getByRole("button", { name: "Show the counterexample" }).first().click();
+  await page.keyboard.press("ArrowRight");
+  await page.locator("#ui-diagram .communicating").first().waitFor({ state: "attached" });
+  for (let i = 0; i < 12; i++) await page.keyboard.press("ArrowRight");
+  await page.locator("#ui-diagram .waiting").first().waitFor({ state: "attached" });
+  assert.match(await page.locator("#ui-film .waits").textContent(), /philosopher\[0\] waits/);
+  await screenshot(page, "philosophers");
+  await page.close();
+});
+
+for (const name of ["buffer", "cascade", "commstime", "emergency", "ring", "watchdog"]) {
+  test(`${name} is drawn without problems`, async () => {
+    const page = await studio.open();
+    await choose(page, name);
+    await page.locator(`.files button[aria-pressed=true]`, { hasText: `${name}.csp` }).waitFor();
+    await page.locator("#ui-diagram:not(.stale) svg").waitFor();
+    await page.getByText(/No problems|warning/).first().waitFor();
+    assert.deepEqual(page.complaints, []);
+    await page.close();
+  });
+}
