@@ -171,6 +171,12 @@ static inline int64_t csp_time_quotient(csp_kernel *csp, int64_t dividend, int64
 
 /* ---- Integers and times ---- */
 
+/* Of any but the most negative number. */
+static inline int64_t csp_absolute_int(int64_t operand)
+{
+    return (operand < 0) ? -operand : operand;
+}
+
 static inline int64_t csp_min_int(int64_t left, int64_t right)
 {
     return (right < left) ? right : left;

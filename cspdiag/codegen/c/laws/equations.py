@@ -51,14 +51,14 @@ class EquationWriter:
         Faults are reported at ``place``, or at ``fallback_place`` if the assignment has no place of its own.
         """
         evaluation = self.printer.evaluate(value)
-        fault_check = self.check(place or fallback_place) if evaluation.faults else []
+        fault_check = self.check(place or fallback_place) if evaluation.faults_inside else []
         return [*evaluation.setup, set_to(target, evaluation.code, place), *fault_check]
 
     def reset(self, target: Code, state: SubmodelState) -> list[Statement]:
         """A state gets its initial value again; after a fault it keeps the present one."""
         evaluation = self.printer.evaluate(state.initial)
-        if not evaluation.faults:
-            return [*evaluation.setup, store(target, evaluation.code)]
+        if not evaluation.faults_inside:
+            return in_block([*evaluation.setup, store(target, evaluation.code)])
         types = self.printer.types
         initial = Names({*types.names.globals, "self", "csp", "party"}).fresh("initial")
         made = define(f"const {types.type_name(state.type)}", initial, evaluation.code)

@@ -106,6 +106,7 @@ _SINGLE_FUNCTIONS = {
 """Those whose result in single precision is that in double precision, rounded."""
 _WHOLE_FUNCTIONS = {
     "min": "csp_min_int", "max": "csp_max_int", "limit": "csp_limit_int", "sign": "csp_sign_int", "until": "csp_until",
+    "abs": "csp_absolute_int",
 }  # fmt: skip
 
 
@@ -313,7 +314,7 @@ class Printer(Evaluator):
             name = _SINGLE_FUNCTIONS[function] if is_own else _REAL_FUNCTIONS[function]
             code = folded(name, codes) if function in ("min", "max") else call(name, *codes)
             return cast("float", code) if is_single(expression.type) and not is_own else code
-        if function == "abs":
+        if function == "abs" and needs_check(expression):
             return self._narrow(expression, call(_checked("csp_absolute", expression.type), codes[0]))
         name = _WHOLE_FUNCTIONS[function]
         code = folded(name, codes) if function in ("min", "max") else call(name, *codes)
