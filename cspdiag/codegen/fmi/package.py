@@ -16,7 +16,7 @@ from cspdiag.codegen.c.text.names import snake_case
 from cspdiag.codegen.fmi.description import Model, build_description, model_description
 from cspdiag.codegen.fmi.variables import Clock, Variable, c_type, scalars
 from cspdiag.codegen.options import Options
-from cspdiag.codegen.shared.equations import constants_needed
+from cspdiag.codegen.shared.laws.equations import constants_needed
 from cspdiag.codegen.shared.render import renderer
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.sampling import Sampling
