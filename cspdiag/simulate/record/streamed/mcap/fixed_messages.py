@@ -42,14 +42,14 @@ class FixedMessages:
                 "itemsize": self.size,
             }
         )
-        self._template = numpy.zeros(self.size, numpy.uint8)
-        first = self._template.view(self._layout)
+        self.template = numpy.zeros(self.size, numpy.uint8)
+        """What all messages have in common."""
+        first = self.template.view(self._layout)
         first["op"], first["n"], first["ch"] = Opcode.MESSAGE, self.size - 9, position + 1
-        self._template[HEAD_OF_MESSAGE : HEAD_OF_MESSAGE + len(header())] = numpy.frombuffer(header(), numpy.uint8)
+        self.template[HEAD_OF_MESSAGE : HEAD_OF_MESSAGE + len(header())] = numpy.frombuffer(header(), numpy.uint8)
 
     def fill(self, rows: numpy.ndarray, numbers: numpy.ndarray, time: numpy.ndarray, values: numpy.ndarray) -> None:
-        """Write the messages with these numbers into rows of bytes of shape ``(n, size)``."""
-        rows[...] = self._template
+        """Write the messages with these numbers into rows of bytes of shape ``(n, size)``, which have the template."""
         into = rows.view(self._layout)[:, 0]
         into["seq"] = numbers & 0xFFFFFFFF
         into["log"] = time
@@ -128,13 +128,15 @@ class FixedChunk:
         """Write some rows of a group, of shape ``(n, size)``."""
         import numpy
 
+        ports = [self._ports[self._blocks[piece.block].port] for piece in group.pieces]
+        # One copy for each row takes a fraction of one for each message.
+        rows[...] = numpy.concatenate([port.template for port in ports])
         at = 0
-        for piece, size in zip(group.pieces, group.sizes, strict=True):
+        for piece, port in zip(group.pieces, ports, strict=True):
             first = numbers[piece.block] + piece.begin
             sequence = numpy.arange(first, first + len(piece.time))[chosen]
-            port = self._ports[self._blocks[piece.block].port]
-            port.fill(rows[:, at : at + size], sequence, piece.time[chosen], piece.value[chosen])
-            at += size
+            port.fill(rows[:, at : at + port.size], sequence, piece.time[chosen], piece.value[chosen])
+            at += port.size
 
 
 def _regular_parts(starts: numpy.ndarray) -> Iterator[tuple[int, int, int]]:
