@@ -106,8 +106,8 @@ class CompositionWriter(Writer):
 
     def _sequence(self, steps: Sequence[ir.Action]) -> list[Statement]:
         statements: list[Statement] = []
-        for position, step in enumerate(steps):
-            outer, self.inner = self.inner, _law_of(steps, position) or self.inner
+        for step in steps:
+            outer, self.inner = self.inner, _law_of(step) or self.inner
             statements += self.statements(step)
             self.inner = outer
             if not can_complete(step):
@@ -191,13 +191,10 @@ def _observed_loop(where: str) -> Plain:
     return run(call("csp_observe_loop", where))
 
 
-def _law_of(steps: Sequence[ir.Action], position: int) -> str | None:
-    """The inlined law whose inputs a step reads or whose outputs it writes."""
-    match steps[position]:
-        case ir.ReadInputs():
-            around: Sequence[ir.Action] = steps[position:]
-        case ir.WriteOutputs():
-            around = steps[position::-1]
+def _law_of(step: ir.Action) -> str | None:
+    """The inlined law whose inputs a step reads or whose outputs it writes, also where nothing is left to compute."""
+    match step:
+        case ir.ReadInputs(law=law) | ir.WriteOutputs(law=law):
+            return law
         case _:  # Only these two steps are separate from their law.
             return None
-    return next((step.law for step in around if isinstance(step, ir.RunLaw)), None)
