@@ -8,7 +8,7 @@ VSCODE := editors/vscode
 STUDIO := studio
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test hunt check bench fmt docs pictures cases grammar vscode test-vscode pictures-vscode studio test-studio clean
+.PHONY: help setup run test hunt check bench fmt docs site pictures cases grammar vscode test-vscode pictures-vscode studio test-studio clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -63,6 +63,9 @@ fmt: $(VENV)/.stamp-dev ## Format the Python and the .csp files
 docs: $(VENV)/.stamp-dev ## Write the generated documentation
 	$(BIN)/cspdiag explain --markdown > build-diagnostics.tmp
 	mv build-diagnostics.tmp docs/diagnostics.md
+
+site: $(VENV)/.stamp-site third-party/VERSIONS ## Build the documentation as a site, build/site/index.html: every program, command and figure of it
+	PYTHONPATH=. $(BIN)/python -m distribution.site.build
 
 pictures: $(VENV)/.stamp-dev ## Draw the pictures of the documentation and the models
 	PYTHONPATH=. $(BIN)/python distribution/notation_pictures.py
@@ -130,4 +133,8 @@ $(VSCODE)/test/e2e/node_modules/.stamp: $(VSCODE)/test/e2e/package-lock.json
 
 $(VENV)/.stamp-bench: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	@touch $@
+
+$(VENV)/.stamp-site: pyproject.toml | $(VENV)/.stamp-dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[site]'
 	@touch $@

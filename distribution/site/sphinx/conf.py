@@ -1,0 +1,51 @@
+"""How Sphinx makes the site; the sources are staged by ``distribution/site/build.py``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pygments.lexers.special import TextLexer
+
+import cspdiag
+from distribution.site.highlighting import CspLexer
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+project = "cspdiag"
+author = "the cspdiag project"
+release = version = cspdiag.__version__
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
+language = "en"
+templates_path = ["templates"]
+nitpicky = False
+
+myst_enable_extensions = ["attrs_inline"]
+myst_heading_anchors = 4
+myst_links_external_new_tab = False
+# A numbered list that continues after a block.
+suppress_warnings = ["myst.header"]
+
+autodoc_typehints = "signature"
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
+python_use_unqualified_type_names = True
+
+html_theme = "furo"
+html_title = "cspdiag"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_js_files = ["site.js"]
+html_copy_source = False
+html_show_sourcelink = False
+html_show_sphinx = False
+html_theme_options = {"navigation_with_keys": False}
+pygments_style = "a11y-high-contrast-light"
+pygments_dark_style = "a11y-high-contrast-dark"
+
+
+def setup(app: Sphinx) -> None:
+    """Highlight programs."""
+    for name in CspLexer.aliases:
+        app.add_lexer(name, CspLexer)
+    app.add_lexer("trace", TextLexer)
