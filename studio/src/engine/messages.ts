@@ -48,13 +48,19 @@ export interface EnvironmentInfo {
   outputs: string[];
 }
 
-export interface ParameterInfo {
+export interface Field {
   name: string;
   type: string;
   unit?: string | null;
+  /** Of an enum: the names of its values. */
+  literals?: string[] | null;
   value: unknown;
-  low?: number | null;
-  high?: number | null;
+}
+
+export interface ParameterInfo extends Field {
+  /** The numbers that it consists of, under the names by which they are changed. */
+  fields?: Field[] | null;
+  doc?: string | null;
   place?: Place | null;
 }
 
@@ -143,12 +149,16 @@ export interface Signal {
   direction: string;
   type: string;
   unit?: string | null;
+  literals?: string[] | null;
   /** Whether a hand may take it over. */
   hand: boolean;
 }
 
+/** Engines count runs. */
+export type SessionId = number | string;
+
 export interface StartResult {
-  session: string;
+  session: SessionId;
   environment?: string | null;
   signals: Signal[];
   processes: { path: string; name: string }[];
@@ -167,6 +177,8 @@ export interface Communication {
 
 export interface Mode {
   t: number;
+  /** The part of the program whose mode it is. */
+  group: string;
   path: string;
   mode: string;
 }
@@ -174,20 +186,22 @@ export interface Mode {
 export type Value = number | boolean | string | null;
 
 export interface Frame {
-  session: string;
+  session: SessionId;
   from: number;
   to: number;
   signals: Record<string, { t: number[]; v: Value[] }>;
   communications?: Communication[];
   omitted?: number | null;
   modes?: Mode[];
-  started?: (string | { t?: number; path: string })[];
-  ended?: (string | { t?: number; path: string })[];
+  /** The processes that run at its end. */
+  running?: string[];
+  /** Changes of parameters that the program did not accept. */
+  refused?: { parameter: string; text: string }[];
   waiting?: Waiting[];
 }
 
 export interface Ended {
-  session: string;
+  session: SessionId;
   at: number | null;
   reason: string;
   text: string;
@@ -235,13 +249,13 @@ export interface Requests {
     params: Program & { environment?: string; set?: Record<string, string>; real_time?: boolean };
     result: StartResult;
   };
-  play: { params: { session: string; speed: number }; result: unknown };
-  pause: { params: { session: string }; result: { now: number } };
-  stop: { params: { session: string }; result: unknown };
-  step: { params: { session: string; by: "communication" | "instant"; count?: number }; result: { now: number } };
-  input: { params: { session: string; name: string; value: number | boolean | null }; result: unknown };
-  tune: { params: { session: string; name: string; value: unknown }; result: unknown };
-  state: { params: { session: string }; result: { now: number; running: string[]; waiting: Waiting[] } };
+  play: { params: { session: SessionId; speed: number }; result: unknown };
+  pause: { params: { session: SessionId }; result: { now: number } };
+  stop: { params: { session: SessionId }; result: unknown };
+  step: { params: { session: SessionId; by: "communication" | "instant"; count?: number }; result: { now: number } };
+  input: { params: { session: SessionId; name: string; value: Value }; result: unknown };
+  tune: { params: { session: SessionId; name: string; value: unknown }; result: unknown };
+  state: { params: { session: SessionId }; result: { now: number; running: string[]; waiting: Waiting[] } };
 }
 
 export type Method = keyof Requests;

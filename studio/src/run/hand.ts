@@ -1,10 +1,10 @@
 /** Stick, buttons and values of a hand that takes over inputs of the program. */
 
-import type { Signal } from "../engine/messages";
+import type { Signal, Value } from "../engine/messages";
 import { button, h, options } from "../page/dom";
 import { unitOf } from "./plots";
 
-type Send = (name: string, value: number | boolean | null) => void;
+type Send = (name: string, value: Value) => void;
 
 const BUTTONS = 4;
 const DEAD = 0.08;
@@ -172,7 +172,7 @@ export class Hand {
     const parts = [
       this.stick?.element,
       bits === undefined ? undefined : this.bits(bits),
-      others.length === 0 ? undefined : this.values(others),
+      others.length === 0 ? undefined : this.values(others, this.stick !== undefined),
     ];
     this.room.replaceChildren(...parts.filter((part) => part !== undefined));
     if (mine.length > 0) {
@@ -195,13 +195,19 @@ export class Hand {
     return h("div", { class: "buttons", role: "group", "aria-label": signal.name }, h("span", {}, signal.name), ...made);
   }
 
-  private values(signals: readonly Signal[]): HTMLElement {
-    return h("div", { class: "values" }, ...signals.map((signal) => this.value(signal)));
+  private values(signals: readonly Signal[], folded: boolean): HTMLElement {
+    const fields = signals.map((signal) => this.value(signal));
+    return h("details", folded ? { class: "values" } : { class: "values", open: "" }, h("summary", {}, "Other inputs"), ...fields);
   }
 
   private value(signal: Signal): HTMLElement {
     if (/^bool/.test(signal.type)) {
       return held(signal.name, signal.name, (down) => this.send(signal.name, down));
+    }
+    if (signal.literals != null) {
+      const select = h("select", {}, new Option("environment", ""), ...signal.literals.map((each) => new Option(each, each)));
+      select.addEventListener("change", () => this.send(signal.name, select.value === "" ? null : select.value));
+      return h("label", {}, h("span", {}, signal.name), select);
     }
     const whole = /^u?int/.test(signal.type);
     const field = h("input", { type: "number", step: whole ? "1" : "any", placeholder: "environment" });

@@ -52,7 +52,7 @@ export class RunPanel {
     this.plots = new Plots(element("plots", HTMLElement), (at) => void this.look(at));
     this.plant = new Plant(this.plantRoom);
     this.hand = new Hand(element("hand", HTMLElement), (name, value) => session.input(name, value));
-    this.parameters = new Parameters(element("parameters", HTMLElement), (parameter, value) => session.tune(parameter, value));
+    this.parameters = new Parameters(element("parameters", HTMLElement), (name, value) => session.tune(name, value));
     this.run.addEventListener("click", () => void this.toggle());
     this.step.addEventListener("click", () => void this.forward());
     this.back.addEventListener("click", () => void session.back());

@@ -1,50 +1,66 @@
-/** Sliders for the parameters of the program, which can be changed while it runs. */
+/** Sliders for the parameters of the program, and for the parts of those that are structs. */
 
-import type { ParameterInfo } from "../engine/messages";
+import type { Field, ParameterInfo, Value } from "../engine/messages";
 import { h } from "../page/dom";
 import { unitOf } from "./plots";
 import { short } from "./track";
 
-/** From where to where a slider goes: what the engine says, or around the value of the text. */
-export function bounds(parameter: ParameterInfo, value: number): [number, number] {
-  const reach = value === 0 ? 1 : Math.abs(value);
-  return [parameter.low ?? (value < 0 ? -2 * reach : value === 0 ? -1 : 0), parameter.high ?? (value < 0 ? 0 : value === 0 ? 1 : 2 * reach)];
+/** Of more than this number the sliders are shown when they are wanted. */
+const FEW = 6;
+
+/** From where to where a slider goes, around the value of the text. */
+export function bounds(value: number): [number, number] {
+  return value > 0 ? [0, 2 * value] : value < 0 ? [2 * value, 0] : [-1, 1];
+}
+
+/** Nanoseconds as a person writes them. */
+export function duration(value: number): string {
+  const units: [number, string][] = [[1e9, "s"], [1e6, "ms"], [1e3, "us"]];
+  const [size, unit] = units.find(([each]) => Math.abs(value) >= each) ?? [1, value === 0 ? "s" : "ns"];
+  return `${short(value / size)} ${unit}`;
 }
 
 export class Parameters {
   constructor(
     private readonly room: HTMLElement,
-    private readonly tune: (parameter: ParameterInfo, value: unknown) => void,
+    private readonly tune: (name: string, value: Value) => void,
   ) {}
 
   open(parameters: readonly ParameterInfo[]): void {
-    const rows = parameters.flatMap((parameter) => {
-      const { value } = parameter;
-      if (typeof value === "boolean") {
-        return [this.choice(parameter, value)];
-      }
-      return typeof value === "number" ? [this.slider(parameter, value)] : [];
-    });
-    this.room.replaceChildren(...rows);
+    const rows = parameters.flatMap((parameter) => (parameter.fields ?? [parameter]).flatMap((field) => this.row(field)));
+    const body = h("details", rows.length <= FEW ? { open: "" } : {}, h("summary", {}, `Parameters (${rows.length})`), ...rows);
+    this.room.replaceChildren(body);
     this.room.hidden = rows.length === 0;
   }
 
-  private slider(parameter: ParameterInfo, value: number): HTMLElement {
-    const [low, high] = bounds(parameter, value);
-    const whole = /^u?int/.test(parameter.type);
-    const step = whole ? 1 : (high - low) / 400;
+  private row(field: Field): HTMLElement[] {
+    const { value, literals } = field;
+    if (typeof value === "boolean") {
+      return [this.box(field, value)];
+    }
+    if (typeof value === "string" && literals != null) {
+      return [this.choice(field, value, literals)];
+    }
+    return typeof value === "number" ? [this.slider(field, value)] : [];
+  }
+
+  private slider(field: Field, value: number): HTMLElement {
+    const [low, high] = bounds(value);
+    const time = field.type === "time";
+    const whole = time || /^u?int/.test(field.type);
+    const step = time ? Math.max(1, Math.round((high - low) / 400)) : whole ? 1 : (high - low) / 400;
     const slider = h("input", { type: "range", min: String(low), max: String(high), step: String(step) });
     slider.value = String(value);
-    const shown = h("output", {}, short(value));
-    const unit = unitOf(parameter);
-    slider.addEventListener("input", () => {
-      shown.textContent = short(slider.valueAsNumber);
-      this.tune(parameter, slider.valueAsNumber);
-    });
+    const text = (now: number) => (time ? duration(now) : short(now));
+    const shown = h("output", {}, text(value));
+    const set = (now: number) => {
+      shown.textContent = text(now);
+      this.tune(field.name, time ? `${Math.round(now)} ns` : now);
+    };
+    slider.addEventListener("input", () => set(slider.valueAsNumber));
     const back = () => {
       slider.value = String(value);
-      shown.textContent = short(value);
-      this.tune(parameter, value);
+      set(value);
     };
     slider.addEventListener("dblclick", back);
     slider.addEventListener("keydown", (event) => {
@@ -52,13 +68,21 @@ export class Parameters {
         back();
       }
     });
-    return h("label", { title: "Double-click or Escape: as in the text" }, h("span", {}, parameter.name), slider, shown, h("span", { class: "unit" }, unit));
+    const unit = h("span", { class: "unit" }, unitOf(field));
+    return h("label", { title: "Double-click or Escape: as in the text" }, h("span", {}, field.name), slider, shown, unit);
   }
 
-  private choice(parameter: ParameterInfo, value: boolean): HTMLElement {
+  private box(field: Field, value: boolean): HTMLElement {
     const box = h("input", { type: "checkbox" });
     box.checked = value;
-    box.addEventListener("change", () => this.tune(parameter, box.checked));
-    return h("label", {}, h("span", {}, parameter.name), box);
+    box.addEventListener("change", () => this.tune(field.name, box.checked));
+    return h("label", {}, h("span", {}, field.name), box);
+  }
+
+  private choice(field: Field, value: string, literals: readonly string[]): HTMLElement {
+    const select = h("select", {}, ...literals.map((each) => new Option(each, each)));
+    select.value = value;
+    select.addEventListener("change", () => this.tune(field.name, select.value));
+    return h("label", {}, h("span", {}, field.name), select);
   }
 }

@@ -128,7 +128,8 @@ export class Plant {
       const number = text === undefined ? undefined : value(text.signal);
       if (text !== undefined && number !== undefined) {
         const digits = Number(element.getAttribute("data-digits") ?? "2");
-        element.textContent = (number * text.factor + text.summand).toFixed(Math.min(Math.max(digits, 0), 9));
+        const shown = (number * text.factor + text.summand).toFixed(Math.min(Math.max(digits, 0), 9));
+        element.textContent = shown.replace(/^-(0(?:\.0*)?)$/, "$1");
       }
     }
   }

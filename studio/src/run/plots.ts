@@ -8,7 +8,7 @@ import type { Track } from "./track";
 
 /** How many colours --series-1 … there are. */
 const COLOURS = 8;
-const HEIGHT = 132;
+const HEIGHT = 116;
 
 interface Group {
   title: string;
@@ -30,7 +30,8 @@ export function groups(signals: readonly Signal[]): Group[] {
 }
 
 export function unitOf(signal: { type: string; unit?: string | null }): string {
-  return signal.unit ?? /<(.*)>/.exec(signal.type)?.[1] ?? "";
+  const unit = signal.unit ?? /<(.*)>/.exec(signal.type)?.[1] ?? "";
+  return unit === "1" ? "" : unit;
 }
 
 function colour(name: string): string {

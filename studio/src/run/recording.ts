@@ -50,8 +50,9 @@ export interface Span {
 export class Recording {
   readonly tracks = new Map<string, Track>();
   readonly communications = new Log<Communication>();
-  private readonly running = new Log<ReadonlySet<string>>();
+  private readonly running = new Log<readonly string[]>();
   private readonly waiting = new Log<readonly Waiting[]>();
+  /** The mode of each part of the program. */
   readonly modes = new Map<string, Log<string>>();
   /** The latest instant. */
   now = 0;
@@ -75,7 +76,9 @@ export class Recording {
     for (const mode of frame.modes ?? []) {
       this.addMode(mode);
     }
-    this.addRunning(frame);
+    if (frame.running !== undefined) {
+      this.running.add(frame.to, frame.running);
+    }
     if (frame.waiting !== undefined) {
       this.waiting.add(frame.to, frame.waiting);
     }
@@ -92,31 +95,11 @@ export class Recording {
     return made;
   }
 
-  private addMode({ t, path, mode }: Mode): void {
-    const log = this.modes.get(path) ?? new Log<string>();
-    this.modes.set(path, log);
+  private addMode({ t, group, mode }: Mode): void {
+    const log = this.modes.get(group) ?? new Log<string>();
+    this.modes.set(group, log);
     if (log.items.at(-1) !== mode) {
       log.add(t, mode);
-    }
-  }
-
-  private addRunning(frame: Frame): void {
-    const started = frame.started ?? [];
-    const ended = frame.ended ?? [];
-    if (started.length + ended.length === 0) {
-      return;
-    }
-    const now = new Set(this.running.items.at(-1));
-    const dated = (each: string | { t?: number; path: string }, on: boolean) =>
-      typeof each === "string" ? { t: frame.to, path: each, on } : { t: each.t ?? frame.to, path: each.path, on };
-    const events = [...started.map((each) => dated(each, true)), ...ended.map((each) => dated(each, false))];
-    for (const { t, path, on } of events.sort((one, other) => one.t - other.t || Number(one.on) - Number(other.on))) {
-      if (on) {
-        now.add(path);
-      } else {
-        now.delete(path);
-      }
-      this.running.add(t, new Set(now));
     }
   }
 

@@ -1,7 +1,7 @@
 /** A run of the program on the engine, what was recorded of it, and the instant that the page shows. */
 
 import type { Engine } from "../engine/engine";
-import type { Ended, Frame, ParameterInfo, Program, StartResult } from "../engine/messages";
+import type { Ended, Frame, Program, SessionId, StartResult, Value } from "../engine/messages";
 import { Recording } from "./recording";
 
 export type Phase = "idle" | "starting" | "playing" | "paused" | "ended";
@@ -15,7 +15,7 @@ export class Session {
   /** The instant that is shown; undefined: the latest. */
   private looked: number | undefined;
   private listeners: (() => void)[] = [];
-  private readonly sent = new Map<string, number | boolean | null>();
+  private readonly sent = new Map<string, Value>();
   private sending = false;
 
   constructor(private readonly engine: Engine) {
@@ -136,7 +136,7 @@ export class Session {
   }
 
   /** Takes an input over, or gives it back to the environment by null; of many values in a frame the last is sent. */
-  input(name: string, value: number | boolean | null): void {
+  input(name: string, value: Value): void {
     this.sent.set(name, value);
     if (!this.sending) {
       this.sending = true;
@@ -153,13 +153,14 @@ export class Session {
     }
   }
 
-  tune(parameter: ParameterInfo, value: unknown): void {
+  /** Changes a parameter, or a part of one. */
+  tune(name: string, value: Value): void {
     if (this.started !== undefined && this.phase !== "ended") {
-      void this.ask(() => this.engine.request("tune", { session: this.session, name: parameter.name, value }));
+      void this.ask(() => this.engine.request("tune", { session: this.session, name, value }));
     }
   }
 
-  private get session(): string {
+  private get session(): SessionId {
     return this.started?.session ?? "";
   }
 
@@ -181,6 +182,8 @@ export class Session {
   private frame(frame: Frame): void {
     if (frame.session === this.started?.session) {
       this.recording.add(frame);
+      const refused = frame.refused?.at(-1);
+      this.problem = refused === undefined ? this.problem : `${refused.parameter}: ${refused.text}`;
       this.changed();
     }
   }

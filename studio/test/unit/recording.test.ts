@@ -50,14 +50,13 @@ test("one can go back to what ran, waited and communicated", () => {
   recording.add({
     ...FRAME,
     signals: { x: { t: [0, 50], v: [1, 2] } },
-    started: [{ t: 0, path: "A.b" }, { t: 40, path: "A.c" }],
-    ended: [{ t: 40, path: "A.b" }],
+    running: ["A.b"],
     communications: [{ t: 30, channel: "A.k" }, { t: 60, channel: "A.l" }],
-    modes: [{ t: 0, path: "A", mode: "one" }, { t: 50, path: "A", mode: "two" }],
+    modes: [{ t: 0, group: "A", path: "A.one", mode: "one" }, { t: 50, group: "A", path: "A.two", mode: "two" }],
     waiting: [{ process: "A.c", channels: ["A.k"] }],
   });
-  assert.deepEqual(recording.runningAt(20), ["A.b"]);
-  assert.deepEqual(recording.runningAt(45), ["A.c"]);
+  assert.deepEqual(recording.runningAt(99), []);
+  assert.deepEqual(recording.runningAt(100), ["A.b"]);
   assert.deepEqual(recording.waitingAt(99), []);
   assert.equal(recording.waitingAt(100)[0]?.process, "A.c");
   assert.equal(recording.before(60), 30);

@@ -4,7 +4,7 @@ import { snippet } from "../../src/editor/assistance";
 import { Elements } from "../../src/diagram/elements";
 import { scenes } from "../../src/proofs/film";
 import { axes } from "../../src/run/hand";
-import { bounds } from "../../src/run/parameters";
+import { bounds, duration } from "../../src/run/parameters";
 import { colourOf, formula, pictureOf } from "../../src/run/plant";
 import { around, groups } from "../../src/run/plots";
 import { sentence } from "../../src/run/waits";
@@ -52,10 +52,11 @@ test("a plot has air, and a range without values", () => {
 });
 
 test("a slider goes around the value of the text", () => {
-  const parameter = { name: "kp", type: "double" };
-  assert.deepEqual(bounds({ ...parameter, value: 2 }, 2), [0, 4]);
-  assert.deepEqual(bounds({ ...parameter, value: -2 }, -2), [-4, 0]);
-  assert.deepEqual(bounds({ ...parameter, value: 0, high: 5 }, 0), [-1, 5]);
+  assert.deepEqual([2, -2, 0].map(bounds), [[0, 4], [-4, 0], [-1, 1]]);
+});
+
+test("durations are read and written in units", () => {
+  assert.deepEqual([0, 50_000_000, 9_000_000_000, 1500].map(duration), ["0 s", "50 ms", "9 s", "1.5 us"]);
 });
 
 test("what is inside an instance that is not unfolded lights the instance", () => {
