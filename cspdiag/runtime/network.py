@@ -11,8 +11,9 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack, nullcontext
 from functools import partial
 from signal import SIGINT
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar, assert_never
 
+from .advance.virtual_time import Ending, VirtualTime
 from .compiled.direct import DirectScheduler
 from .compiled.routine import Routine
 from .composition import end_all, task_for
@@ -35,6 +36,8 @@ from .outside.sampled_inputs import SampledInput
 from .process import Process
 from .real_time.jitter import Jitter
 from .real_time.preference import preferred
+
+T = TypeVar("T")
 
 
 class Network:
@@ -77,16 +80,16 @@ class Network:
             raise RuntimeError("this network is running already")
         self._runs = True
         try:
-            with self._new_scheduler(policy) as scheduler:
+            with self.new_scheduler(policy) as scheduler:
                 self._scheduler = scheduler
                 clock = RealClock() if real_time else VirtualClock()
-                run = self._new_run(scheduler, environment, clock, until, on_miss, observer)
+                run = self.new_run(scheduler, environment, clock, until, on_miss, observer)
                 with stopping if run.driven else nullcontext():
                     return run.outcome()
         finally:
             self._runs = False
 
-    def _new_run(
+    def new_run(
         self,
         scheduler: Scheduler,
         environment: Environment | None,
@@ -95,9 +98,11 @@ class Network:
         on_miss: Literal["timeout", "count"],
         observer: Observer | None,
     ) -> NetworkRun:
+        """A run that has not begun; the scheduler is entered."""
         return NetworkRun(self, scheduler, environment, clock, until, on_miss, observer)
 
-    def _new_scheduler(self, policy: Policy | None) -> Scheduler:
+    def new_scheduler(self, policy: Policy | None) -> Scheduler:
+        """A scheduler for one run."""
         if isinstance(self.process, Routine) and not self.process.tracked:
             return DirectScheduler()
         return Scheduler(policy)
@@ -137,6 +142,14 @@ class NetworkRun:
         self._process = os.getpid()
         self._root_error: BaseException | None = None
         self._root = task_for(network.process, self, None)
+        self.virtual_time = VirtualTime(
+            scheduler, self._instants, self._root, self._change_parameters, self._last_instant
+        )
+
+    @property
+    def root(self) -> Task:
+        """What executes the outermost process."""
+        return self._root
 
     def _own_ports(self) -> tuple[Port, ...]:
         """The ports whose drivers this run has."""
@@ -158,25 +171,33 @@ class NetworkRun:
 
     def _released_outcome(self, began: float) -> Outcome:
         try:
-            outcome = self._run_to_its_end()
+            outcome = self.caught(self._ending)
         except HandlerFailed as end:
             if stopping.say is None:
                 raise end.cause from None  # The caller, which is not a command, handles it.
             outcome = Outcome("failed", self._scheduler.now, error=end.error)
         finally:
             errors = self._release()
+        outcome.wall_time = time.perf_counter() - began
+        return self._concluded(outcome, errors)
+
+    def released(self, outcome: Outcome) -> Outcome:
+        """Releases the outputs after a run that was continued piece by piece; the outcome with what is known then."""
+        return self._concluded(outcome, self._release())
+
+    def _concluded(self, outcome: Outcome, errors: Sequence[BaseException]) -> Outcome:
         failure = text_of(outcome.error) if outcome.ended == "failed" and outcome.error is not None else None
         outcome.release_errors = [error for error in errors if text_of(error) != failure]
-        outcome.wall_time = time.perf_counter() - began
         outcome.missed = {port.name: port.missed for port in self._ports if isinstance(port, SampledInput)}
         outcome.jitter = self._jitter
         outcome.real_time = self._clock.real
         outcome.preference = self._preference
         return outcome
 
-    def _run_to_its_end(self) -> Outcome:
+    def caught(self, part: Callable[[], T]) -> T | Outcome:
+        """The result of a part of the run, or how it has ended the run."""
         try:
-            return self._ending()
+            return part()
         except Stopped as stopped:
             return Outcome("stopped", self._scheduler.now, signal=stopped.signal, error=stopped.hanging)
         except KeyboardInterrupt:
@@ -191,46 +212,25 @@ class NetworkRun:
     def _ending(self) -> Outcome:
         if self._clock.real:
             self._preference = self._preferred.enter_context(preferred())
-        self._start()
+        self.start()
         with stopping.raising(patiently=True):
             return self._in_real_time() if self._clock.real else self._in_virtual_time()
 
     def _in_virtual_time(self) -> Outcome:
-        run_ready = self._running()
-        scheduler = self._scheduler
-        timers, heap = scheduler.timers, scheduler.timers.heap
-        instants = self._instants
         until = END_OF_TIME if self._until is None else min(self._until, END_OF_TIME)
-        # The last instant before the next change of a parameter, or before the end of the run.
-        last = self._last_instant(until)
-        never = until + 1
-        root = self._root
-        tick = instants.after(0) or never
-        while True:
-            while run_ready():
-                stopping.check()
-            if heap and heap[0] < tick and scheduler.policy is None:
-                scheduler.end_delays(min(tick, last + 1), root)
-            if stopping.signal:
-                stopping.check()
-            if root.ended:
+        return self.ended(self.virtual_time.advance(until, self._running()), until)
+
+    def ended(self, ending: Ending, until: int) -> Outcome:
+        """The outcome of a run that has ended so in virtual time."""
+        match ending:
+            case "terminated":
                 return self._ended_by_itself()
-            timer = timers.next_instant() if heap else None
-            if timer is None:
-                awaited_end = instants.awaited_end
-                if (awaited_end is None or awaited_end.waiter is None) and not instants.port_can_have_effect():
-                    return self._deadlocked()
-            instant = tick if timer is None or tick < timer else timer
-            if instant > last:
-                if instant > until:
-                    return self._limit_reached(until)
-                self._change_parameters(instant)
-                last = self._last_instant(until)
-            scheduler.now = instant
-            if instant == tick:
-                tick = instants.pass_in_virtual_time(tick, last + 1, scheduler, run_ready, root)
-            if instant == timer:
-                timers.fall_due(instant)
+            case "deadlock":
+                return self._deadlocked()
+            case "time limit":
+                return self._limit_reached(until)
+            case _:
+                assert_never(ending)
 
     def _last_instant(self, until: int) -> int:
         """The last instant before the next change of a parameter, or before the time limit."""
@@ -320,7 +320,8 @@ class NetworkRun:
             return Outcome("terminated", self._scheduler.now)
         return Outcome("failed", self._scheduler.now, error=self._root_error)
 
-    def _start(self) -> None:
+    def start(self) -> None:
+        """Opens the drivers and evaluates the environment at time 0; then the outermost process is ready."""
         self._observe()
         self._devices.open()
         self._change_parameters(0)

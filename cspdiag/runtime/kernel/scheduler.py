@@ -379,6 +379,11 @@ class Scheduler:
             yield from [(level, party) for party in queue]
             queue.clear()
 
+    def is_ready(self, party: Party) -> bool:
+        """Whether a party is in a queue; looks through all of them."""
+        queues = [self.queue, *(queue for _, queue in self._levels)]
+        return any(entry is party.entry for queue in queues for entry in queue)
+
     @property
     def has_levels(self) -> bool:
         """Whether there is, or was, a prioritized parallel."""

@@ -66,7 +66,7 @@ class DividedNetwork(Network):
             return Here(instance, lambda path, error: self.ended.append((path, error)))
         return Elsewhere(instance, place)
 
-    def _new_run(
+    def new_run(
         self,
         scheduler: Scheduler,
         environment: Environment | None,
@@ -75,6 +75,7 @@ class DividedNetwork(Network):
         on_miss: Literal["timeout", "count"],
         observer: Observer | None,
     ) -> NetworkRun:
+        """See ``Network.new_run``."""
         return DividedRun(self, scheduler, environment, clock, until, on_miss, observer)
 
 
@@ -240,8 +241,9 @@ class DividedRun(NetworkRun):
 
         self._scheduler.observe = observe_here
 
-    def _start(self) -> None:
-        super()._start()
+    def start(self) -> None:
+        """See ``NetworkRun.start``; in real time all places begin together."""
+        super().start()
         self._links.news = self._clock.notify
         if self._clock.real:
             self._links.broadcast(("ready",))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.python.plain.external import bodies
@@ -23,7 +23,9 @@ from cspdiag.simulate.run.probes import probe
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
+    from cspdiag.runtime import Outcome
     from cspdiag.runtime.deadlock import WaitingProcess
+    from cspdiag.runtime.outside.instants import Environment as PythonEnvironment
     from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.record.streamed.recording import Recording
 
@@ -69,6 +71,25 @@ def _refuse_devices_in_c(environment: Environment) -> None:
         )
 
 
+def built(
+    network: CoreNetwork, chosen: Environment | None, package: LoadedPackage
+) -> tuple[Any, PythonEnvironment | None]:
+    """The network of a loaded package and its environment. Raises NoEnvironmentError for an environment that only
+    native programs have, BodyError, and Stopped if a signal arrives.
+    """
+    if chosen is not None:
+        _refuse_devices_in_c(chosen)
+    try:
+        with stopping.raising():
+            plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
+            given = {"parameters": plant.parameters} if plant is not None and network.parameters else {}
+            return package.module("network").build(plant.drivers if plant is not None else {}, **given), plant
+    except BaseException as problem:
+        if not bodies(network) or stopping.ends_run(problem):
+            raise
+        raise BodyError(account_of(problem)) from problem
+
+
 def simulate(
     network: CoreNetwork,
     files: Mapping[str, str],
@@ -97,21 +118,11 @@ def simulate(
     and BodyError, and Stopped if a signal arrives before the run.
     """
     chosen = chosen_environment(network, environment)
-    if chosen is not None:
-        _refuse_devices_in_c(chosen)
     recorder = recorder if recorder is not None else Recorder()
     package = LoadedPackage(network.name, files)
     try:
-        try:
-            with stopping.raising():
-                plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
-                given = {"parameters": plant.parameters} if plant is not None and network.parameters else {}
-                running = package.module("network").build(plant.drivers if plant is not None else {}, **given)
-                running.parameters.plan(changes)
-        except BaseException as problem:
-            if not bodies(network) or stopping.ends_run(problem):
-                raise
-            raise BodyError(account_of(problem)) from problem
+        running, plant = built(network, chosen, package)
+        running.parameters.plan(changes)
         if inputs is not None and plant is not None:
             from cspdiag.simulate.record.stored.inputs import replace_environment
 
@@ -136,12 +147,17 @@ def simulate(
             )
         for change, why in running.parameters.refused:
             recorder.refused.append((change.time, change.parameter, why))
-        if outcome.deadlock is not None:
-            waiting = [_record(process) for process in outcome.deadlock.waiting]
-            outcome.deadlock = deadlock_report(outcome.time, waiting, network, recorder)
+        explain(outcome, network, recorder)
     finally:
         package.close()
     return Run(network, chosen, outcome, recorder)
+
+
+def explain(outcome: Outcome, network: CoreNetwork, recorder: Recorder) -> None:
+    """Make the report of a deadlock say, by the text of the program, which process waits for which."""
+    if outcome.deadlock is not None:
+        waiting = [_record(process) for process in outcome.deadlock.waiting]
+        outcome.deadlock = deadlock_report(outcome.time, waiting, network, recorder)
 
 
 @contextmanager

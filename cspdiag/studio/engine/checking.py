@@ -7,9 +7,9 @@ from typing import TypeVar
 
 from cspdiag.editing.view import View
 from cspdiag.model.program import Program
-from cspdiag.model.types import EnumType, RealType
 from cspdiag.network.elaborate.definitions import Definitions
-from cspdiag.studio.engine.data import Data, diagnostic_data, place_of, plain
+from cspdiag.studio.engine.data import Data, diagnostic_data, place_of
+from cspdiag.studio.engine.values import about, fields, value_data
 from cspdiag.syntax import ast
 from cspdiag.syntax.walk import instances_in
 
@@ -30,7 +30,7 @@ def check(view: View) -> Data:
         "definitions": [
             {"name": each.name.text, "place": place_of(each.span)} for each in _own(program, ast.ProcessDefinition)
         ],
-        "parameters": list(_parameters(program)),
+        "parameters": list(parameters_of(program)),
         "assertions": [
             {"text": " ".join(each.span.text.split()), "place": place_of(each.span)}
             for each in program.main.items
@@ -80,18 +80,16 @@ def _processes(program: Program, top: ast.ProcessDefinition) -> Iterator[Data]:
                 pending.append((inner, *own, (*around, inner)))
 
 
-def _parameters(program: Program) -> Iterator[Data]:
-    """The parameters of the program, which may change while it runs."""
+def parameters_of(program: Program) -> Iterator[Data]:
+    """The parameters of the program, which may change while it runs, with the numbers that they consist of."""
     for constant, value in program.tunable.items():
-        if not constant.tunable:
-            continue
         kind = program.types.get(constant)
-        yield {
-            "name": constant.name.text,
-            "type": str(kind) if kind is not None else "",
-            "unit": str(kind.unit) if isinstance(kind, RealType) and str(kind.unit) else None,
-            "literals": list(kind.literals) if isinstance(kind, EnumType) else None,
-            "value": plain(value),
-            "doc": constant.doc,
-            "place": place_of(constant.span),
-        }
+        if constant.tunable and kind is not None:
+            yield {
+                "name": constant.name.text,
+                **about(kind),
+                "value": value_data(value, kind),
+                "fields": fields(constant.name.text, kind, value),
+                "doc": constant.doc,
+                "place": place_of(constant.span),
+            }

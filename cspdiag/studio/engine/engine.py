@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.util import find_spec
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.studio.engine.data import Data
 from cspdiag.studio.engine.failure import RequestError
-from cspdiag.studio.engine.programs import Programs, files_of
+from cspdiag.studio.engine.programs import Programs
+
+if TYPE_CHECKING:
+    from cspdiag.studio.engine.session import Session
 
 Notify: TypeAlias = Callable[[Data], object]
 """Takes what the engine tells without being asked: ``{"method": ..., "params": ...}``."""
@@ -17,15 +20,17 @@ Answer: TypeAlias = Callable[[Data], Any]
 
 
 class Engine:
-    """Answers the requests of one page. ``kind`` is ``browser`` or ``machine``; ``program`` is what the page opens
-    with, if there is something.
+    """Answers the requests of one page, and lets a session run between them. ``kind`` is ``browser`` or ``machine``;
+    ``program`` is what the page opens with, if there is something, and ``folder`` where that is.
     """
 
-    def __init__(self, notify: Notify, kind: str = "machine", program: Data | None = None) -> None:
+    def __init__(
+        self, notify: Notify, kind: str = "machine", program: Data | None = None, folder: str | None = None
+    ) -> None:
         self._notify = notify
         self._kind = kind
         self._program = program
-        self._programs = Programs()
+        self._programs = Programs(folder)
         self._answers: dict[str, Answer] = {
             "hello": self._hello,
             "check": self._check,
@@ -39,7 +44,17 @@ class Engine:
             "timing": self._timing,
             "compile": self._compile,
             "run": self._run,
+            "start": self._start,
+            "play": lambda params: self._session_of(params).play(params),
+            "pause": lambda params: self._session_of(params).pause(),
+            "step": lambda params: self._session_of(params).step(params),
+            "input": lambda params: self._session_of(params).input(params),
+            "tune": lambda params: self._session_of(params).tune(params),
+            "state": lambda params: self._session_of(params).state(),
+            "stop": lambda params: self._session_of(params).stop(),
         }
+        self._session: Session | None = None
+        self._sessions = 0
 
     def request(self, message: Data) -> Data:
         """The answer to a request: ``{"id": ..., "result": ...}``, or ``{"id": ..., "error": ...}``. Never raises."""
@@ -97,7 +112,7 @@ class Engine:
     def _check(self, params: Data) -> Data:
         from cspdiag.studio.engine.checking import check
 
-        return check(self._programs.view(files_of(params)))
+        return check(self._programs.view(self._programs.files_of(params)))
 
     def _complete(self, params: Data) -> list[Data]:
         from cspdiag.studio.engine.editing import complete
@@ -130,27 +145,60 @@ class Engine:
     def _draw(self, params: Data) -> Data:
         from cspdiag.studio.engine.drawing import draw
 
-        return draw(self._programs.view(files_of(params)), params)
+        return draw(self._programs.view(self._programs.files_of(params)), params)
 
     def _verify(self, params: Data) -> list[Data]:
         from cspdiag.studio.engine.proving import verify
 
-        return verify(files_of(params), params)
+        return verify(self._programs.files_of(params), params)
 
     def _timing(self, params: Data) -> Data:
         from cspdiag.studio.engine.proving import timing
 
-        return timing(self._programs.loaded(files_of(params)))
+        return timing(self._programs.loaded(self._programs.files_of(params)))
 
     def _compile(self, params: Data) -> Data:
         from cspdiag.studio.engine.running import compiled
 
-        return compiled(self._programs.loaded(files_of(params)), params)
+        return compiled(self._programs.loaded(self._programs.files_of(params)), params)
 
     def _run(self, params: Data) -> Data:
         from cspdiag.studio.engine.running import run
 
-        return run(self._programs.loaded(files_of(params)), params)
+        return run(self._programs.loaded(self._programs.files_of(params)), params)
+
+    # Live sessions
+
+    def _start(self, params: Data) -> Data:
+        from cspdiag.studio.engine.session import Session
+
+        self.close()
+        self._sessions += 1
+        self._session = Session(self._sessions, self._programs.files_of(params), params, self._tell)
+        return self._session.description()
+
+    def _session_of(self, params: Data) -> Session:
+        if self._session is None or params.get("session") != self._session.number:
+            raise RequestError("there is no such session", "start one")
+        return self._session
+
+    def _tell(self, method: str, params: Data) -> None:
+        self._notify({"method": method, "params": params})
+
+    def due(self) -> float | None:
+        """Seconds until ``proceed`` is to be called, None if nothing runs."""
+        return None if self._session is None else self._session.due()
+
+    def proceed(self) -> None:
+        """Let the session run for a frame, if one is due."""
+        if self._session is not None:
+            self._session.proceed()
+
+    def close(self) -> None:
+        """End the session, if there is one, and release the outputs of its program."""
+        session, self._session = self._session, None
+        if session is not None:
+            session.stop()
 
 
 def _refusal(number: object, message: str, help: str | None) -> Data:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import errno
+import os
 import posixpath
 from collections.abc import Mapping
+from contextlib import suppress
 
 from cspdiag.api import LoadedProgram
 from cspdiag.base.report import Report
+from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile, with_line_feeds
 from cspdiag.editing.positions import offset_of
 from cspdiag.editing.view import View
+from cspdiag.model.names.imports import load
 from cspdiag.model.remembered import RememberedChecks
 from cspdiag.studio.engine.data import Data
 from cspdiag.studio.engine.failure import RequestError
@@ -23,10 +27,13 @@ MOST_FILES = 200
 
 
 class Files:
-    """The texts of a program by name. Nothing else can be read: what is not among them does not exist."""
+    """The texts of a program by name. Nothing else can be read: what is not among them does not exist, except, if there
+    is a ``folder``, what is in that.
+    """
 
-    def __init__(self, texts: Mapping[str, str], main: str) -> None:
+    def __init__(self, texts: Mapping[str, str], main: str, folder: str | None = None) -> None:
         self.main = main
+        self._folder = folder
         self._sources = {name: SourceFile(name=name, text=text) for name, text in texts.items()}
 
     def __eq__(self, other: object) -> bool:
@@ -37,6 +44,8 @@ class Files:
     def read(self, name: str) -> SourceFile:
         """A file of the program. Raises OSError if there is none of that name."""
         found = self._sources.get(posixpath.normpath(name))
+        if found is None and self._folder is not None:
+            return SourceFile(name=name, text=read_source(os.path.join(self._folder, name)).text)
         if found is None:
             raise OSError(errno.ENOENT, "it is not among the files of this program", name)
         return found
@@ -47,8 +56,8 @@ class Files:
         return self._sources[self.main]
 
 
-def files_of(params: Data) -> Files:
-    """The program of a request. Raises RequestError."""
+def files_of(params: Data, folder: str | None = None) -> Files:
+    """The program of a request, of which what is not sent is in a folder, if that is given. Raises RequestError."""
     program = params.get("program", params)
     texts, main = program.get("files"), program.get("main")
     if not isinstance(texts, dict) or not all(isinstance(text, str) for text in texts.values()):
@@ -66,7 +75,7 @@ def files_of(params: Data) -> Files:
     for name in texts:
         if posixpath.isabs(name) or posixpath.normpath(name) != name or name.startswith(("..", "std/")):
             raise RequestError(f"{name!r} is not a name of a file below the folder of the program")
-    return Files({name: _clean(name, text) for name, text in texts.items()}, main)
+    return Files({name: _clean(name, text) for name, text in texts.items()}, main, folder)
 
 
 def _clean(name: str, text: str) -> str:
@@ -82,11 +91,16 @@ def _clean(name: str, text: str) -> str:
 class Programs:
     """What is known of the last program that was asked for, so that after a small change little is done again."""
 
-    def __init__(self) -> None:
+    def __init__(self, folder: str | None = None) -> None:
+        self._folder = folder
         self._files: Files | None = None
         self._view: View | None = None
         self._parsed: dict[str, Parsed] = {}
         self._checks = RememberedChecks()
+
+    def files_of(self, params: Data) -> Files:
+        """The program of a request. Raises RequestError."""
+        return files_of(params, self._folder)
 
     def view(self, files: Files) -> View:
         """The program as editors see it."""
@@ -106,7 +120,7 @@ class Programs:
         place = params.get("place")
         if not isinstance(place, dict) or not isinstance(place.get("line"), int | None):
             raise RequestError("`place` is an object with file, line and character")
-        files = files_of(params)
+        files = self.files_of(params)
         name = place.get("file", files.main)
         if name != files.main:
             if not isinstance(name, str):
@@ -130,3 +144,24 @@ class Programs:
         for mistake in known.mistakes:
             report.add(mistake)
         return known.tree
+
+
+def opened(path: str) -> Data:
+    """The program in a file, with the files that it imports and the drawings beside it; names are relative to its
+    folder. Raises OSError.
+    """
+    folder, main = os.path.split(os.path.abspath(path))
+    texts = {main: read_source(path).text}
+
+    def read(name: str) -> SourceFile:
+        source = read_source(os.path.join(folder, name))
+        if not name.startswith(".."):
+            texts[name] = source.text
+        return SourceFile(name=name, text=source.text)
+
+    load(SourceFile(name=main, text=texts[main]), read, Report())
+    for name in sorted(os.listdir(folder)):
+        if name.endswith(".svg"):
+            with suppress(OSError):
+                texts[name] = read_source(os.path.join(folder, name)).text
+    return {"files": texts, "main": main}

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from cspdiag.model.types import EnumType, RealType, Type
 from cspdiag.simulate.record.held import columns_of
 from cspdiag.simulate.record.run_data import histories
-from cspdiag.studio.engine.data import Data, number
+from cspdiag.studio.engine.data import Data
 from cspdiag.studio.engine.failure import RequestError
+from cspdiag.studio.engine.values import about, shown_values
 
 if TYPE_CHECKING:
     from cspdiag.api import LoadedProgram
@@ -72,18 +72,9 @@ def signals_of(run: Run) -> dict[str, Data]:
             times, values = [], []
             if history is not None:
                 times = list(history.time)
-                values = [number(value) for value in history.leaf(column.path, 0, len(times))]
+                values = shown_values(history.leaf(column.path, 0, len(times)), column.type)
             found[column.name] = {**about(column.type), "direction": port.direction, "t": times, "v": values}
     return found
-
-
-def about(kind: Type) -> Data:
-    """The type of a number, as plots show it."""
-    return {
-        "type": str(kind),
-        "unit": (str(kind.unit) or None) if isinstance(kind, RealType) else None,
-        "literals": list(kind.literals) if isinstance(kind, EnumType) else None,
-    }
 
 
 def text_of_ending(outcome: Outcome) -> str:

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any, Literal, NoReturn
 
 from cspdiag.proofs.verdict import LimitError
+from cspdiag.runtime.advance.stepwise import StepwiseRun
 from cspdiag.runtime.deadlock import report_deadlock
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, RunEnded
@@ -20,7 +21,6 @@ from cspdiag.runtime.kernel.party import Party
 from cspdiag.runtime.kernel.policy import Option, Policy
 from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.runtime.network import Network as RunningNetwork
-from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import Goal
 from cspdiag.verify.guided.ready import ReadyParties

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from math import lcm
 from typing import Any, Literal
 
+from cspdiag.runtime.advance.stepwise import StepwiseRun
 from cspdiag.runtime.kernel.durations import END_OF_TIME
 from cspdiag.runtime.outside.event_inputs import EventInput
 from cspdiag.runtime.outside.external import Port
 from cspdiag.runtime.outside.sampled_inputs import SampledInput
-from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.guided.script import Passed, Script
 
 MOST_TICKS = 40

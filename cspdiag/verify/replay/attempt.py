@@ -14,12 +14,12 @@ from cspdiag.network.dump.delay import is_of_time_out, until_instant
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import LimitError, Limits
+from cspdiag.runtime.advance.stepwise import StepwiseRun
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
 from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, Timeout
 from cspdiag.runtime.kernel.policy import Option
 from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.runtime.network import Network as RunningNetwork
-from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.simulate.run.execute import BodyError, account_of
 from cspdiag.simulate.run.package import LoadedPackage
 from cspdiag.verify.decisions import Decisions

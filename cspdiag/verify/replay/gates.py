@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, assert_never
 
+from cspdiag.runtime.advance.stepwise import StepwiseRun
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.runtime.kernel.party import Party, Waits
 from cspdiag.runtime.kernel.policy import Interruption as LedInterrupt
 from cspdiag.runtime.kernel.policy import Option, Policy
 from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.runtime.outside.supply import Supply
-from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.guided.script import Passed
 from cspdiag.verify.runs.task_names import TaskNames, path_of, task_of
 

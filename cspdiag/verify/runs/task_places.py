@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from types import CodeType, FrameType
 
+from cspdiag.runtime.advance.stepwise import StepwiseRun
 from cspdiag.runtime.deadlock import frames_of
 from cspdiag.runtime.kernel.places import is_of_runtime, source_line
 from cspdiag.runtime.kernel.scheduler import Task
-from cspdiag.runtime.stepwise import StepwiseRun
 
 _OUTSIDE = StepwiseRun.run_one.__code__
 """The code that calls this function is not the program's."""

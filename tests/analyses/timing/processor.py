@@ -32,9 +32,9 @@ class TimeIsUp(Exception):  # noqa: N818 - it says what is the case
 class _Run(cspdiag.runtime.network.NetworkRun):
     """A run that executes its instants while laws compute."""
 
-    def _start(self) -> None:
+    def start(self) -> None:
         Processor.run = self
-        super()._start()
+        super().start()
 
     def compute(self, duration: int) -> None:
         Processor.present += duration

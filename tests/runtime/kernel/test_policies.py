@@ -30,10 +30,10 @@ from cspdiag.runtime import (
     wait,
     write_all,
 )
+from cspdiag.runtime.advance.stepwise import StepwiseRun
 from cspdiag.runtime.kernel.party import Party, Waits
 from cspdiag.runtime.kernel.policy import Interruption
 from cspdiag.runtime.outside.supply import Supply
-from cspdiag.runtime.stepwise import StepwiseRun
 from tests.runtime.support import Body, finish
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from .composition import end_all, task_for
-from .kernel.party import Party
-from .kernel.policy import Policy
-from .kernel.scheduler import Priority, Scheduler, Task
-from .network import Network
+from ..composition import end_all, task_for
+from ..kernel.party import Party
+from ..kernel.policy import Policy
+from ..kernel.scheduler import Priority, Scheduler, Task
+from ..network import Network
 
 Observe = Callable[[str, Any, Party | None, Party | None], None]
 

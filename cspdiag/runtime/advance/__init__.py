@@ -1,0 +1,1 @@
+"""How runs advance: virtual time, and runs that their caller continues."""

@@ -1,0 +1,107 @@
+"""Frames: what happened in a live run since the last one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.network.ir.network import CoreNetwork
+from cspdiag.simulate.record.held import Column, columns_of
+from cspdiag.simulate.record.history import histories_of
+from cspdiag.simulate.record.modes import mode_groups
+from cspdiag.studio.engine.data import Data
+from cspdiag.studio.engine.values import shown_values, value_data
+
+if TYPE_CHECKING:
+    from cspdiag.model.types import Type
+    from cspdiag.simulate.run.live import LiveRun
+
+MOST_COMMUNICATIONS = 200
+"""The last of them are shown."""
+MOST_WAITING = 200
+
+
+class Frames:
+    """Makes the frames of a run, and says what is in them."""
+
+    def __init__(self, run: LiveRun) -> None:
+        self._run = run
+        network = run.network
+        self._columns = columns(network)
+        self._ports = {f"{network.top}.{port.name}" for port in network.external_ports}
+        self._types: dict[str, Type] = {net.path: net.type for net in network.nets}
+        self._types |= {f"{network.top}.{port.name}": port.type for port in network.external_ports}
+        self.groups = mode_groups(network)
+        self._modes = {path: (group.name, mode) for group in self.groups for path, mode in group.modes.items()}
+        self._last = 0
+
+    def next(self) -> Data:
+        """What happened since the last frame; the run forgets it."""
+        recorder = self._run.recorder
+        count = len(recorder.communication_log) // 5
+        frame = {
+            "from": self._last,
+            "to": self._run.now,
+            "signals": self._signals(),
+            "communications": self._communications(count),
+            "omitted": max(0, count - MOST_COMMUNICATIONS),
+            "modes": [
+                {"t": time, "group": self._modes[path][0], "path": path, "mode": self._modes[path][1]}
+                for time, path in recorder.begun
+                if path in self._modes
+            ],
+            "started": [path for _, path in recorder.begun],
+            "ended": [path for _, path in recorder.ended],
+            "running": list(recorder.running),
+            "waiting": waiting(self._run),
+            "changes": [
+                {"t": time, "parameter": name, "path": list(path), "value": value_data(value, None)}
+                for time, name, path, value in recorder.changes
+            ],
+            "refused": [{"t": time, "parameter": name, "text": why} for time, name, why in recorder.refused],
+        }
+        self._last = self._run.now
+        recorder.empty()
+        return frame
+
+    def _signals(self) -> dict[str, Data]:
+        recorder = self._run.recorder
+        passed = (entry for entry in recorder.communications if entry[1] in self._ports)
+        released = ((time, port, value, "", "") for time, port, value in recorder.releases if port in self._ports)
+        found = histories_of((*passed, *released), recorder.samples)
+        return {
+            column.name: {
+                "t": found[column.channel].time.tolist(),
+                "v": shown_values(
+                    found[column.channel].leaf(column.path, 0, len(found[column.channel].time)), column.type
+                ),
+            }
+            for column in self._columns
+            if column.channel in found
+        }
+
+    def _communications(self, count: int) -> list[Data]:
+        shown: Iterable[Any] = islice(self._run.recorder.communications, max(0, count - MOST_COMMUNICATIONS), None)
+        return [
+            {"t": time, "channel": channel, "writer": writer or None, "reader": reader or None,
+             "value": value_data(value, self._types.get(channel))}
+            for time, channel, value, writer, reader in shown
+        ]  # fmt: skip
+
+
+def columns(network: CoreNetwork) -> list[Column[Any]]:
+    """The numbers of the external ports, in the order of the text."""
+    return [
+        column
+        for port in network.external_ports
+        for column in columns_of(f"{network.top}.{port.name}", port.name, port.type, lambda values, _: values)
+    ]
+
+
+def waiting(run: LiveRun) -> list[Data]:
+    """Which process waits for what, in text order."""
+    return [
+        {"process": path, "channels": list(channels), "for": words, "place": place}
+        for path, words, channels, place in run.waiting(MOST_WAITING)
+    ]
