@@ -101,7 +101,7 @@ class TimingReport:
     where the present one is not. ``is_edf_feasible`` says whether earliest deadline first would meet them, None where
     that is not known. ``tasks`` are the tasks that were analysed. ``are_all_chains`` is False if there are too many
     chains to follow. ``witness`` is a late sample, if one is known; ``is_overloaded`` means that there is certainly
-    more work than time.
+    more work than time. ``kernel`` is the measured time of the kernel at an instant, in nanoseconds.
     """
 
     process: str
@@ -118,6 +118,7 @@ class TimingReport:
     are_all_chains: bool = True
     witness: Witness | None = None
     is_overloaded: bool = False
+    kernel: int = 0
 
     @property
     def is_schedulable(self) -> bool | None:

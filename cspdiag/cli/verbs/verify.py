@@ -87,12 +87,20 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="FILE",
         help="execution times measured in a run, instead of those in the text",
     )
+    parser.add_argument(
+        "--wcet-factor",
+        type=positive(1, 1000, "times"),
+        metavar="FACTOR",
+        help="with --wcet-from: by how much times may be longer than the longest one measured, from 1",
+    )
     parser.add_argument("--no-cache", action="store_true", help="prove again what was proved before")
     parser.add_argument("--quiet", action="store_true", help="show only what is not proved")
 
 
 def run(arguments: Namespace) -> int:
     """Prove, and report; the exit code says whether everything was proved."""
+    if arguments.wcet_factor is not None and arguments.wcet_from is None:
+        raise UsageError("--wcet-factor: multiplies measured times: give them with --wcet-from FILE")
     if arguments.timing or arguments.gantt is not None or arguments.wcet_from is not None:
         from cspdiag.cli.verbs.verify_timing import run_timing
 

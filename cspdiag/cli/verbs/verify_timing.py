@@ -6,9 +6,12 @@ import shlex
 import time
 from argparse import Namespace
 from collections.abc import Sequence
+from fractions import Fraction
+from math import ceil
 from typing import TYPE_CHECKING, Literal, cast
 
 from cspdiag.base.files.json_text import read_json
+from cspdiag.base.record import record
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source, require_ordinary_file
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
@@ -27,7 +30,8 @@ if TYPE_CHECKING:
 def run_timing(arguments: Namespace) -> int:
     """Analyse the program, report the results, draw the schedule; exit code 0 if every deadline is proved to be met."""
     _check_options(arguments)
-    measured = [] if arguments.wcet_from is None else measured_times(str(arguments.wcet_from))
+    factor = Fraction(str(arguments.wcet_factor or 1))
+    measured = NOTHING if arguments.wcet_from is None else measured_times(str(arguments.wcet_from), factor)
     built = _built(arguments)
     if built.network is None:
         return refused(built.checked.report.diagnostics, arguments)
@@ -112,22 +116,36 @@ def _built(arguments: Namespace) -> Built:
     return built
 
 
-def _report(arguments: Namespace, network: CoreNetwork, measured: Sequence[Measured]) -> TimingReport:
+def _report(arguments: Namespace, network: CoreNetwork, measured: MeasuredTimes) -> TimingReport:
     from cspdiag.analyses.timing.report.timing import timing_report
     from cspdiag.analyses.timing.tasks.measured import times_of_laws
 
-    report = timing_report(network, times_of_laws(network, measured))
-    if measured and not report.measured:
+    report = timing_report(network, times_of_laws(network, measured.steps), kernel=measured.kernel)
+    if measured.steps and not report.measured:
         raise UsageError(f"--wcet-from {arguments.wcet_from}: none of its names is a law or process of {network.top}")
     return report
 
 
-def measured_times(path: str) -> list[Measured]:
-    """The longest execution times in a trace.
+@record
+class MeasuredTimes:
+    """The longest ``steps`` of laws and processes, and the longest work of the ``kernel`` at an instant, in
+    nanoseconds.
+    """
+
+    steps: Sequence[Measured]
+    kernel: int
+
+
+NOTHING = MeasuredTimes((), 0)
+"""Nothing was measured."""
+
+
+def measured_times(path: str, factor: Fraction = Fraction(1)) -> MeasuredTimes:
+    """The longest execution times in a trace, multiplied by a factor.
 
     A trace is what ``run --real-time --trace out.json`` writes, or any JSON object with ``executionTimes``: an object
-    from paths to times in seconds, or to objects with ``longest``, and ``what`` was measured. Raises UsageError if
-    there are none, OSError if the file cannot be read.
+    from paths to times in seconds, or to objects with ``longest``, and ``what`` was measured. ``kernelTime`` may be
+    that of the kernel. Raises UsageError if there are no execution times, OSError if the file cannot be read.
     """
     from cspdiag.analyses.timing.tasks.measured import Measured
 
@@ -146,11 +164,15 @@ def measured_times(path: str) -> list[Measured]:
     found: list[Measured] = []
     for name, entry in times.items():
         seconds, what = (entry.get("longest"), entry.get("what")) if isinstance(entry, dict) else (entry, "law")
-        if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 <= seconds < 1e9:
-            raise UsageError(f"{path}: the execution time of {name} is not a number of seconds")
         if what not in ("law", "process", "thread"):
             raise UsageError(f"{path}: what was measured of {name} is a law, a process or a thread, not {what!r}")
-        found.append(
-            Measured(name, max(1, -(-round(seconds * 1e10) // 10)), cast("Literal['law', 'process', 'thread']", what))
-        )
-    return found
+        longest = _nanoseconds(seconds, factor, f"{path}: the execution time of {name}")
+        found.append(Measured(name, max(1, longest), cast("Literal['law', 'process', 'thread']", what)))
+    return MeasuredTimes(found, _nanoseconds(content.get("kernelTime", 0), factor, f"{path}: `kernelTime`"))
+
+
+def _nanoseconds(seconds: object, factor: Fraction, what: str) -> int:
+    """A time, rounded up; tenths of nanoseconds are errors of floating-point numbers."""
+    if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 <= seconds < 1e9:
+        raise UsageError(f"{what} is not a number of seconds")
+    return ceil(Fraction(round(seconds * 1e10), 10) * factor)

@@ -153,12 +153,15 @@ typedef struct csp_fault_note {
 #define CSP_MEASURE 0 /* whether execution times are measured */
 #endif
 
+#define CSP_OUTSIDE UINT32_MAX /* instead of the number of a process: what the kernel and devices did at an instant */
+
 /* What is being measured, in cycles. */
 enum { CSP_DEEPEST = 6 };
 typedef struct csp_measuring {
     uint32_t began;   /* the step */
     uint32_t entered; /* the present part of an instant, */
     uint32_t instant; /* and how long those before took */
+    uint32_t steps;   /* how long the steps in it took */
     uint32_t depth;
     uint32_t running[CSP_DEEPEST]; /* the processes of the step */
 } csp_measuring;

@@ -31,6 +31,7 @@ void csp_measure_end(csp_kernel *csp)
 {
     if (measures(csp)) {
         const uint32_t took = cycles(csp) - csp->measuring.began;
+        csp->measuring.steps += took;
         for (uint32_t index = 0U; index < csp->measuring.depth; index++) {
             csp->hooks->measured(csp->hooks->context, csp->measuring.running[index], took);
         }
@@ -48,7 +49,9 @@ void csp_measure_leave(csp_kernel *csp, bool done)
         csp->measuring.instant += cycles(csp) - csp->measuring.entered;
         if (done) {
             csp->hooks->measured(csp->hooks->context, 0U, csp->measuring.instant);
+            csp->hooks->measured(csp->hooks->context, CSP_OUTSIDE, csp->measuring.instant - csp->measuring.steps);
             csp->measuring.instant = 0U;
+            csp->measuring.steps = 0U;
         }
     }
 }

@@ -77,7 +77,8 @@ typedef struct csp_hooks {
     void (*alive)(void *context);                /* once in each turn, for a watchdog */
     void (*met)(void *context, int64_t instant); /* in real time: this instant is going to be executed */
     uint32_t (*cycles)(void *context);           /* with CSP_MEASURE: a counter of cycles of the processor, which may overflow */
-    /* With CSP_MEASURE: how long a step of a process took, by its number from 1, or for 0 all work at an instant. */
+    /* With CSP_MEASURE: how long a step of a process took, by its number from 1, or for 0 all work at an instant, or for CSP_OUTSIDE that of it outside of
+     * steps. */
     void (*measured)(void *context, uint32_t process, uint32_t cycles);
     /* With CSP_TRACE_HOOK: a communication at csp->now, by the number of the channel or port and those of the processes; 0: the environment. */
     void (*trace)(void *context, uint32_t channel, const void *value, uint32_t writer, uint32_t reader);

@@ -91,6 +91,35 @@ def test_measured_times_are_taken_from_a_trace(cspdiag: Command, silent: Path, t
     assert cspdiag("verify", "--format", "json", "--wcet-from", trace, silent) == result
 
 
+def test_the_time_of_the_kernel_comes_before_every_process(cspdiag: Command, silent: Path, tmp_path: Path) -> None:
+    trace = tmp_path / "times.json"
+    trace.write_text(json.dumps({"executionTimes": {"Main.a": 100e-6}, "kernelTime": 20e-6}))
+    result = cspdiag("verify", "--timing", "--format", "json", "--wcet-from", trace, silent)
+    report = json.loads(result.out)
+    assert report["kernel"] == 20_000
+    without = tmp_path / "without.json"
+    without.write_text(json.dumps({"executionTimes": {"Main.a": 100e-6}}))
+    faster = json.loads(cspdiag("verify", "--timing", "--format", "json", "--wcet-from", without, silent).out)
+    responses = {loop["name"]: loop["response"] for loop in report["loops"]}
+    assert all(responses[loop["name"]] >= loop["response"] + 20_000 for loop in faster["loops"])
+    assert report["utilization"] == pytest.approx(faster["utilization"] + 0.02)
+    shown = cspdiag("verify", "--timing", "--wcet-from", trace, silent).out
+    assert "execution times of `Main.a` and of the kernel, 20 us at each instant, were measured" in shown
+
+
+def test_measured_times_are_multiplied(cspdiag: Command, silent: Path, tmp_path: Path) -> None:
+    trace = tmp_path / "times.json"
+    trace.write_text(json.dumps({"executionTimes": {"Main.a": 100e-6}, "kernelTime": 1.5e-6}))
+    command = ("verify", "--format", "json", "--wcet-from", trace, "--wcet-factor", "1.1", silent)
+    report = json.loads(cspdiag(*command).out)
+    assert {loop["name"]: loop["work"] for loop in report["loops"]} == {"a": 110_000, "b": 900_000}
+    assert report["kernel"] == 1_650
+    alone = cspdiag("verify", "--timing", "--wcet-factor", "1.1", silent)
+    assert (alone.code, alone.err.count("\n")) == (2, 1)
+    assert "give them with --wcet-from FILE" in alone.err
+    assert "expected 1 to 1000 times" in cspdiag("verify", "--wcet-from", trace, "--wcet-factor", "0.5", silent).err
+
+
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
@@ -104,6 +133,7 @@ def test_measured_times_are_taken_from_a_trace(cspdiag: Command, silent: Path, t
             '{"executionTimes": {"Main.a": {"longest": 1e-6, "what": "thing"}}}',
             "is a law, a process or a thread, not 'thing'",
         ),
+        ('{"executionTimes": {"Main.a": 1e-6}, "kernelTime": -1}', "`kernelTime` is not a number of seconds"),
         ('{"executionTimes": {"Other.law": 1e-6}}', "none of its names is a law or process of Main"),
     ],
 )

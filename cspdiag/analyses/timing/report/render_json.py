@@ -59,6 +59,7 @@ def as_json(report: TimingReport) -> dict[str, Any]:
         "missing": [{"name": part.leaf, "definition": part.definition, **place(part.span)} for part in report.missing],
         "refusals": [_refusal(part) for part in report.refusals],
         "measured": list(report.measured),
+        "kernel": report.kernel,
     }
 
 

@@ -110,6 +110,7 @@ def _summary(report: TimingReport) -> Iterator[str]:
     if report.measured:
         count = len(report.measured)
         of = f"`{report.measured[0]}`" if count == 1 else f"{count} laws and processes"
+        of += f" and of the kernel, {upper(report.kernel)} at each instant," if report.kernel else ""
         yield f"execution times of {of} were measured: a longest one seen is no proof that none is longer"
     yield "times count from the nominal release, the tick; a step runs until its process waits, and nothing preempts it"
 

@@ -22,6 +22,7 @@ from cspdiag.analyses.timing.result import Chain, LoopTiming, TimingReport
 from cspdiag.analyses.timing.task import ONCE, Task, last_in_time
 from cspdiag.analyses.timing.tasks import edf
 from cspdiag.analyses.timing.tasks.assignment import feasible_order
+from cspdiag.analyses.timing.tasks.kernel import kernel_tasks
 from cspdiag.analyses.timing.tasks.response import Response, response_time, response_times
 from cspdiag.analyses.timing.tasks.witness import find_witness, is_overloaded
 from cspdiag.analyses.timing.threads.graph import Thread
@@ -35,12 +36,13 @@ LARGEST_NUMBER_OF_ROUNDS = 50
 """The number of iterations after which response times that depend on each other are considered unbounded."""
 
 
-def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = None) -> TimingReport:
+def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = None, *, kernel: int = 0) -> TimingReport:
     """Analyse the sampled loops of a program.
 
     Execution times are those that its submodels and processes state by ``wcet``, or the ``measured`` ones, in
     nanoseconds by path. Computation between the laws of a process is neglected unless the process states a time.
-    Whatever has no bound is refused, with the reason.
+    Whatever has no bound is refused, with the reason. ``kernel`` is the longest time, in nanoseconds, that the kernel
+    was seen to need at an instant, device functions included.
     """
     threads = Threads(network, measured or {})
     used = tuple(sorted(set(measured or {}) & set(threads.instances)))
@@ -55,7 +57,8 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
     order = {path: k for k, path in enumerate(threads.instances)}
     missing = tuple(sorted(threads.missing.values(), key=lambda part: order[part.leaf]))
     # Unknown times would count as zero, and the other figures would mislead.
-    analysis = _analysis(network, all_threads, behaviours, refusals, are_loops_known=not (missing or shifted))
+    outside = kernel_tasks(network, kernel, threads.channel_ends.constant, refusals)
+    analysis = _analysis(network, all_threads, behaviours, refusals, outside, are_loops_known=not (missing or shifted))
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
     recurring = [task for task in tasks if task.period < ONCE]
@@ -66,6 +69,7 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
     rows = [_without_old_values(row, found_chains) for row in rows]
     is_late = not all(row.is_met for row in rows)
     overloaded = is_overloaded(all_threads, behaviours)
+    is_free = analysis.is_independent and not outside
     return TimingReport(
         network.top,
         tuple(rows),
@@ -73,14 +77,16 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
         missing,
         tuple(dict.fromkeys(refusals)),
         tasks,
-        sum(task.utilization for task in recurring),
+        sum(task.utilization for task in (*recurring, *outside)),
         lcm(*(row.period for row in rows), *(task.period for task in recurring)) if rows else 0,
-        False if overloaded else (True if analysis.is_independent and edf.meets_deadlines(deadlines) else None),
-        _advice(network, all_threads, behaviours, recurring) if is_late and not refusals else None,
+        # The kernel is more urgent than any deadline.
+        False if overloaded else (True if is_free and edf.meets_deadlines(deadlines) else None),
+        _advice(network, all_threads, behaviours, recurring, outside) if is_late and not refusals else None,
         used,
         are_all_chains,
         find_witness(all_threads, behaviours, inputs) if is_late and not shifted else None,
         overloaded,
+        kernel,
     )
 
 
@@ -107,6 +113,7 @@ def _analysis(
     all_threads: Sequence[Thread],
     behaviours: Sequence[Behaviour],
     refusals: list[Refusal],
+    outside: Sequence[Task],
     *,
     are_loops_known: bool = True,
 ) -> _Analysis:
@@ -121,11 +128,15 @@ def _analysis(
         key=lambda loop: order.get(loop.name, len(order)),
     )
     partner_work = {one.number: work_of_partners(one, demands, contention, refusals) for one in behaviours}
-    return _Analysis(contention, by_number, demands, loops if are_loops_known else [], partner_work)
+    return _Analysis(contention, by_number, demands, loops if are_loops_known else [], partner_work, outside)
 
 
 def _advice(
-    network: CoreNetwork, all_threads: Sequence[Thread], behaviours: Sequence[Behaviour], tasks: Sequence[Task]
+    network: CoreNetwork,
+    all_threads: Sequence[Thread],
+    behaviours: Sequence[Behaviour],
+    tasks: Sequence[Task],
+    outside: Sequence[Task],
 ) -> tuple[str, ...] | None:
     """Another order of priorities of the branches of one parallel composition, if it is proved to meet every
     deadline.
@@ -141,7 +152,7 @@ def _advice(
         return None
     ranked = [replace(one, level=paths.index(one.thread.path) if one.thread.path in known else 0) for one in behaviours]
     refusals: list[Refusal] = []
-    rows = _analysis(network, all_threads, ranked, refusals).rows(network, refusals)
+    rows = _analysis(network, all_threads, ranked, refusals, outside).rows(network, refusals)
     is_met = not refusals and all(row.is_met for row in rows)
     return tuple(path.partition(".")[2] or path for path in paths) if is_met else None
 
@@ -162,6 +173,7 @@ class _Analysis:
         demands: Demands,
         loops: Sequence[Loop],
         partner_work: Mapping[int, tuple[int, int]],
+        outside: Sequence[Task],
     ) -> None:
         self.behaviours = behaviours
         self.demands = demands
@@ -171,6 +183,8 @@ class _Analysis:
         """By thread, how much partners compute for what it does between its samples, and the level of the
         least urgent.
         """
+        self.outside = outside
+        """The tasks that are not those of processes."""
         self.lateness: dict[int, int] = {}
         """By thread, how late the work may be released that its samples trigger in others."""
         self._causing = {part.origin for parts in demands.by_thread.values() for part in parts if part.is_triggered}
@@ -250,15 +264,16 @@ class _Analysis:
         ):
             if group not in self._by_group:
                 parts = self.contention.of_group(group)
-                found = response_times([self._as_task(part) for part in parts])
-                self._by_group[group] = {part.thread: response for part, response in zip(parts, found, strict=True)}
+                found = response_times([*(self._as_task(part) for part in parts), *self.outside])
+                self._by_group[group] = {part.thread: response for part, response in zip(parts, found, strict=False)}
             return self._by_group[group][number]
         others = [self._as_task(part) for part in self.contention.in_parallel_with(number, loop.joint_work.included)]
         if any(part.suspension or part.meets for part in beside):
             # It may rejoin the queue behind others, and wait for less urgent partners.
             task = replaced(task, final=0, priority=max(task.priority, self.partner_work[number][1]))
         below = max((other.step for other in others if other.priority > task.priority), default=0)
-        return response_time(task, [*others, *(self._as_own_task(part, below) for part in merged([beside]))])
+        own = (self._as_own_task(part, below) for part in merged([beside]))
+        return response_time(task, [*others, *own, *self.outside])
 
     def chains(self, network: CoreNetwork, rows: Sequence[LoopTiming]) -> tuple[list[Chain], bool]:
         """The chains of values through the loops, and whether these are all."""

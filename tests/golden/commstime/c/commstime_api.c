@@ -53,8 +53,15 @@ static void measured(void *context, uint32_t process, uint32_t took)
 {
     const commstime_instance *const self = context;
     commstime_times *const times = self->hooks.times;
-    uint32_t *const longest = (process == 0U) ? &times->instant : &times->process[process - 1U];
-    if ((process <= COMMSTIME_PROCESSES) && (took > *longest)) {
+    uint32_t *longest = &times->instant;
+    if (process == CSP_OUTSIDE) {
+        longest = &times->kernel;
+    } else if (process > 0U) {
+        longest = &times->process[process - 1U];
+    } else {
+        /* All work at an instant. */
+    }
+    if (took > *longest) {
         *longest = took;
     }
 }
@@ -376,6 +383,18 @@ const char *commstime_process_name(uint32_t process)
 #endif
 }
 
+#if CSP_MEASURE
+static void put_seconds(uint32_t counted, uint32_t hertz,
+    void (*put)(void *context, const char *text), void *context)
+{
+    char number[24] = "";
+    const uint64_t scaled = (uint64_t)counted * UINT64_C(1000000000);
+    csp_append_integer(number, sizeof number, (int64_t)((scaled + hertz - 1U) / hertz));
+    put(context, number);
+    put(context, "e-9");
+}
+#endif
+
 void commstime_write_times(const commstime_times *times, uint32_t hertz,
     void (*put)(void *context, const char *text), void *context)
 {
@@ -384,20 +403,20 @@ void commstime_write_times(const commstime_times *times, uint32_t hertz,
     bool others = false;
     for (uint32_t index = 0U; index < COMMSTIME_PROCESSES; index++) {
         if (times->process[index] > 0U) {
-            char number[24] = "";
-            const uint64_t scaled = (uint64_t)times->process[index] * UINT64_C(1000000000);
-            csp_append_integer(number, sizeof number, (int64_t)((scaled + hertz - 1U) / hertz));
             put(context, others ? ",\n  \"" : "\n  \"");
             put(context, network_process_names[index + 1U]);
             put(context, "\": {\"longest\": ");
-            put(context, number);
-            put(context, "e-9, \"what\": \"process\"}");
+            put_seconds(times->process[index], hertz, put, context);
+            put(context, ", \"what\": \"process\"}");
             others = true;
         }
     }
+    put(context, "\n}, \"kernelTime\": ");
+    put_seconds(times->kernel, hertz, put, context);
+    put(context, "}\n");
 #else
     (void)times;
     (void)hertz;
+    put(context, "}}\n");
 #endif
-    put(context, "\n}}\n");
 }

@@ -28,7 +28,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define COMMSTIME_SIZE 1112U
+#define COMMSTIME_SIZE 1120U
 typedef union commstime_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -38,13 +38,15 @@ typedef union commstime_memory {
 
 typedef struct commstime_instance commstime_instance;
 
-/* The longest execution times, in cycles: a step of each process, from one wait to the next, and
- * all work at one instant, with your hooks. They stay when a run begins.
+/* The longest execution times, in cycles: a step of each process, from one wait to the next; all
+ * work at one instant, with your hooks; and what of it is outside of steps: samples, outputs,
+ * timers, and the choice of the next process. They stay when a run begins.
  */
 #define COMMSTIME_PROCESSES 5U
 typedef struct commstime_times {
     uint32_t process[COMMSTIME_PROCESSES];
     uint32_t instant;
+    uint32_t kernel;
 } commstime_times;
 
 /* A communication. Channels have numbers, first the ports, in the order of the text; so do

@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define EMERGENCY_SIZE 1896U
+#define EMERGENCY_SIZE 1904U
 typedef union emergency_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -65,13 +65,15 @@ typedef enum emergency_event {
     EMERGENCY_EVENT_PANEL
 } emergency_event;
 
-/* The longest execution times, in cycles: a step of each process, from one wait to the next, and
- * all work at one instant, with your hooks. They stay when a run begins.
+/* The longest execution times, in cycles: a step of each process, from one wait to the next; all
+ * work at one instant, with your hooks; and what of it is outside of steps: samples, outputs,
+ * timers, and the choice of the next process. They stay when a run begins.
  */
 #define EMERGENCY_PROCESSES 1U
 typedef struct emergency_times {
     uint32_t process[EMERGENCY_PROCESSES];
     uint32_t instant;
+    uint32_t kernel;
 } emergency_times;
 
 /* A communication. Channels have numbers, first the ports, in the order of the text; so do

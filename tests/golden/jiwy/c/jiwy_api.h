@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define JIWY_SIZE 9008U
+#define JIWY_SIZE 9016U
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;
@@ -69,13 +69,15 @@ typedef enum jiwy_event {
     JIWY_EVENT_JOYSTICK_BUTTONS
 } jiwy_event;
 
-/* The longest execution times, in cycles: a step of each process, from one wait to the next, and
- * all work at one instant, with your hooks. They stay when a run begins.
+/* The longest execution times, in cycles: a step of each process, from one wait to the next; all
+ * work at one instant, with your hooks; and what of it is outside of steps: samples, outputs,
+ * timers, and the choice of the next process. They stay when a run begins.
  */
 #define JIWY_PROCESSES 11U
 typedef struct jiwy_times {
     uint32_t process[JIWY_PROCESSES];
     uint32_t instant;
+    uint32_t kernel;
 } jiwy_times;
 
 /* A communication. Channels have numbers, first the ports, in the order of the text; so do
