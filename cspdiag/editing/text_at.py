@@ -73,7 +73,7 @@ def definitions(source: SourceFile) -> list[Outlined]:
     """The definitions of a text, each from its keyword to the next definition."""
     text = source.text
     matches = [match for match in _DEFINITION.finditer(text) if not _is_in_comment(text, match)]
-    ends = [match.start() for match in matches[1:]] + [len(text)]
+    starts = [match.start() for match in matches]
     return [
         Outlined(
             match["keyword"],
@@ -82,7 +82,7 @@ def definitions(source: SourceFile) -> list[Outlined]:
             end,
             match.start("name") if match["name"] else match.end("keyword"),
         )
-        for match, end in zip(matches, ends, strict=True)
+        for match, end in zip(matches, [*starts[1:], len(text)], strict=False)
         if match["keyword"] not in {"import", "assert"}
     ]
 
