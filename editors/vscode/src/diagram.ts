@@ -262,7 +262,8 @@ export class DiagramView implements vscode.Disposable {
     }
     const editor = this.editor();
     if (editor !== undefined) {
-      this.light(editor, false);
+      // The cursor may have gone elsewhere while this was drawn.
+      this.follow(editor, false);
     }
     this.showStep();
   }

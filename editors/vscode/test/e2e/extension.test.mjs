@@ -215,7 +215,8 @@ step("after a change the lens has the answer of before", async () => {
 step("an export is asked for another name if its ending is no format", async () => {
   const input = editor.page.locator(".quick-input-widget input").first();
   await editor.diagram.locator("#export").click();
-  await input.waitFor();
+  // The dialog writes the proposed name some time after it is there.
+  await editor.until(async () => (await input.inputValue()).endsWith(".svg"));
   await input.fill(path.join(editor.folder, "odd.jpg"));
   await editor.page.locator(".quick-input-widget a.monaco-button", { hasText: "OK" }).click();
   const dialog = editor.page.locator(".monaco-dialog-box", { hasText: "has to be .svg, .png or .pdf" });
@@ -232,6 +233,7 @@ step("the process that was chosen stays when the window is loaded again", async 
   await editor.diagram.locator("#process").selectOption("Right");
   await editor.diagram.locator("#which").selectOption("composition");
   await editor.diagram.locator("svg", { hasText: "composition of Right" }).waitFor();
+  await editor.screenshot("before-reload");
   await editor.command("Developer: Reload Window");
   await editor.diagram.locator("svg", { hasText: "composition of Right" }).waitFor({ timeout: 60_000 });
   assert.equal(await editor.diagram.locator("#which").inputValue(), "composition");
