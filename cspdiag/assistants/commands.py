@@ -20,7 +20,7 @@ PATIENCE = 30.0
 
 
 _PROGRAM = (
-    "import sys; from cspdiag.base.parent import end_with; end_with(int(sys.argv.pop(1))); "
+    "import sys; from cspdiag.base.parent import end_with_input; end_with_input(); "
     "from cspdiag.__main__ import main; sys.exit(main())"
 )
 _waiting: set[asyncio.Task[object]] = set()
@@ -46,16 +46,15 @@ async def command(folder: Path, *arguments: str, seconds: float) -> Finished:
         sys.executable,
         "-c",
         _PROGRAM,
-        str(os.getpid()),
         *arguments,
         cwd=folder,
-        stdin=asyncio.subprocess.DEVNULL,
+        stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.PIPE,
         start_new_session=True,
         env={**os.environ, "NO_COLOR": "1", "COLUMNS": "120"},
     )
-    communication = asyncio.ensure_future(process.communicate())
+    communication = asyncio.ensure_future(_output(process))
     try:
         out, err = await asyncio.wait_for(asyncio.shield(communication), seconds)
         code = process.returncode
@@ -67,6 +66,15 @@ async def command(folder: Path, *arguments: str, seconds: float) -> Finished:
         await _ended(process, communication)
         raise
     return Finished(code, out.decode(errors="replace"), err.decode(errors="replace"))
+
+
+async def _output(process: asyncio.subprocess.Process) -> tuple[bytes, bytes]:
+    """What the process writes until it ends. Its standard input stays open until then."""
+    assert process.stdout is not None
+    assert process.stderr is not None
+    out, err = await asyncio.gather(process.stdout.read(), process.stderr.read())
+    await process.wait()
+    return out, err
 
 
 async def end_all() -> None:

@@ -1,23 +1,47 @@
-"""A process that works for another one ends with it, however that one ends."""
+"""A process that works for another one ends with it, however that one ends.
+
+It has the reading end of a pipe to which nothing is written any more, its lifeline; only the other process has the
+writing end, which the system closes when that process ends.
+"""
 
 from __future__ import annotations
 
 import os
 import signal
-import sys
-
-_PARENT_DEATH_SIGNAL = 1
-"""PR_SET_PDEATHSIG of prctl(2)."""
+from collections.abc import Callable
+from threading import Thread
 
 
-def end_with(parent: int) -> None:
-    """Have this process end, as by SIGTERM, when its parent, whose number is given, has ended; at once, if it already
-    has. Only Linux can do that.
+def _terminate() -> None:
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+def end_with(lifeline: int, end: Callable[[], object] = _terminate) -> None:
+    """Have this process end, as by SIGTERM, when the other end of a pipe is closed; ``lifeline`` is its descriptor, and
+    ``end`` another way to end.
     """
-    if sys.platform != "linux":
-        return
-    import ctypes
 
-    ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, int(signal.SIGTERM), 0, 0, 0)
-    if os.getppid() != parent:
-        os.kill(os.getpid(), signal.SIGTERM)
+    def wait() -> None:
+        while os.read(lifeline, 1 << 10):
+            pass
+        end()
+
+    thread = Thread(target=wait, name="lifeline", daemon=True)
+    if not hasattr(signal, "pthread_sigmask"):
+        thread.start()
+        return
+    # Signals are for the main thread, whose waits they end.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+    try:
+        thread.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def end_with_input() -> None:
+    """The same with the pipe that is standard input, which is empty from then on."""
+    lifeline = os.dup(0)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    end_with(lifeline)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import pickle
 import sys
 from collections.abc import Mapping
@@ -12,7 +11,7 @@ from contextlib import suppress
 from typing import Any
 
 from cspdiag.base.errors import CspdiagError
-from cspdiag.base.parent import end_with
+from cspdiag.base.parent import end_with_input
 from cspdiag.base.span import SourceFile
 from cspdiag.editing.proved import Proved
 
@@ -22,7 +21,7 @@ MEMORY_LIMIT = 2_000_000_000
 """Bytes for states, as for ``cspdiag verify``."""
 
 _PROGRAM = (
-    "import json, sys; request = json.load(sys.stdin); sys.path[:] = request['path']; "
+    "import json, sys; request = json.loads(sys.stdin.readline()); sys.path[:] = request['path']; "
     "from cspdiag.lsp.proving import answer; answer(request)"
 )
 
@@ -35,7 +34,6 @@ async def prove(main: SourceFile, texts: Mapping[str, str], start: int) -> list[
     """Answer the assertion that begins at an offset, given all texts of the program. Raises ProvingError."""
     request = {
         "path": sys.path,
-        "parent": os.getpid(),
         "main": main.name,
         "texts": {**texts, main.name: main.text},
         "start": start,
@@ -45,7 +43,13 @@ async def prove(main: SourceFile, texts: Mapping[str, str], start: int) -> list[
         stderr=asyncio.subprocess.PIPE,
     )  # fmt: skip
     try:
-        output, errors = await process.communicate(json.dumps(request).encode())
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdin.write(json.dumps(request).encode() + b"\n")
+        # Its standard input stays open: the process ends with this one.
+        output, errors = await asyncio.gather(process.stdout.read(), process.stderr.read())
+        await process.wait()
     finally:
         with suppress(ProcessLookupError):
             process.kill()
@@ -61,9 +65,7 @@ async def prove(main: SourceFile, texts: Mapping[str, str], start: int) -> list[
 
 def answer(request: Mapping[str, object]) -> None:
     """Be the process: write the answers, or why there are none, to standard output."""
-    parent = request["parent"]
-    assert isinstance(parent, int)
-    end_with(parent)
+    end_with_input()
     output = sys.stdout.buffer
     # Whatever a prover prints does not belong to the answer.
     sys.stdout = sys.stderr

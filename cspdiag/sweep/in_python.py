@@ -10,11 +10,11 @@ import os
 import pickle
 import sys
 from collections.abc import Mapping
-from threading import Thread
 from typing import IO, TYPE_CHECKING, Any, cast
 
 from cspdiag import pipeline
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.parent import end_with
 from cspdiag.base.record import record
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
@@ -76,7 +76,8 @@ def task_of(plan: Plan, run: int) -> bytes:
 
 def main() -> None:
     """Make the runs whose settings come from standard input, until its end."""
-    Thread(target=_end_with, args=(int(sys.argv[1]),), daemon=True).start()
+    # At once, in the middle of a run, too.
+    end_with(int(sys.argv[1]), lambda: os._exit(1))
     given: Any = sys.stdin.buffer
     results = sys.stdout.buffer
     # What the program prints is not a result.
@@ -86,12 +87,6 @@ def main() -> None:
         result = runs.result(pickle.load(given))
         pickle.dump(result, results)
         results.flush()
-
-
-def _end_with(lifeline: int) -> None:
-    """End this process when the process that started it ends, in the middle of a run, too."""
-    os.read(lifeline, 1)
-    os._exit(1)
 
 
 class _Runs:

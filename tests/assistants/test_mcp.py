@@ -249,7 +249,7 @@ def test_an_assistant_starts_it_and_reads_about_the_language(folder: Path) -> No
     asyncio.run(main())
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux ends the commands of a server that is killed")
+@pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_commands_end_with_the_server(folder: Path, number: signal.Signals) -> None:
     """Although the connection stays open."""

@@ -38,7 +38,8 @@ LAST = 4 * 32
 
 PARENT = """
 import os, subprocess, sys
-subprocess.Popen([*sys.argv[1:], "--parent", str(os.getpid())])
+lifeline, held = os.pipe()
+subprocess.Popen([*sys.argv[1:], "--lifeline", str(lifeline)], pass_fds=[lifeline])
 print("started", flush=True)
 sys.stdin.read()
 """
@@ -73,8 +74,13 @@ def test_a_signal_ends_it(simulation: Path, number: str) -> None:
 
 def test_what_ends_it_for_its_parent_is_not_ignored(simulation: Path) -> None:
     """A parent that a script has started in the background passes ignored signals on to its children."""
-    command = ["sh", "-c", f"trap '' TERM INT; exec {simulation} --observe ports --parent {os.getpid()}"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+    lifeline, held = os.pipe()
+    command = ["sh", "-c", f"trap '' TERM INT; exec {simulation} --observe ports --lifeline {lifeline}"]
+    with (
+        os.fdopen(lifeline),
+        os.fdopen(held, "w"),
+        subprocess.Popen(command, stdout=subprocess.PIPE, pass_fds=[lifeline]) as process,
+    ):
         assert process.stdout is not None
         process.stdout.read(1)
         process.send_signal(signal.SIGTERM)
@@ -111,6 +117,18 @@ def test_it_ends_with_its_parent(simulation: Path) -> None:
         assert parent.stdout.readline() == b"started\n"
         parent.kill()
         parent.stdout.read()
+
+
+def test_it_ends_with_its_lifeline_although_its_parent_lives(simulation: Path) -> None:
+    lifeline, held = os.pipe()
+    command = [simulation, "--observe", "ports", "--lifeline", str(lifeline)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, pass_fds=[lifeline]) as process:
+        assert process.stdout is not None
+        process.stdout.read(1)
+        os.close(held)
+        process.stdout.read()
+    os.close(lifeline)
+    assert process.returncode == 128 + signal.SIGTERM
 
 
 def test_a_full_disk_ends_it(simulation: Path) -> None:

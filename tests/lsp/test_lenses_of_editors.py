@@ -1,7 +1,12 @@
-"""Lenses for commands that an editor has, and the steps of a counterexample as diagrams show them."""
+"""Lenses for commands that an editor has, the steps of a counterexample as diagrams show them, and the process that
+finds them.
+"""
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -110,3 +115,50 @@ async def test_the_steps_of_a_counterexample_have_the_keys_of_the_diagram(tmp_pa
     ]
     view.answers[answer.start] = answer
     assert titles(session, uri, frozenset({STEP}))[1:] == ["13 Step through"]
+
+
+LONG = """\
+process Main {
+  in  x : double @ 1 ms
+  out y : double @ 1 ms
+  communication {
+    var v : double
+    var n : int = 0
+  }
+  composition {
+    mu (x ? v ; n := (n * 1103515245 + 12345) % 2147483648 ; if n == 7777777 then stop else y ! v)
+  }
+}
+assert Main deadlock free
+"""
+"""Two thousand million states."""
+
+SERVER = f"""
+import asyncio, sys
+from cspdiag.base.span import SourceFile
+from cspdiag.lsp import proving
+
+pipe = int(sys.argv[1])
+# It says when it works, and keeps the pipe as long as it does.
+proving._PROGRAM = proving._PROGRAM.replace("answer(request)", f"import os; os.write({{pipe}}, b'!'); answer(request)")
+text = {LONG!r}
+
+async def main():
+    create = asyncio.create_subprocess_exec
+    asyncio.create_subprocess_exec = lambda *command, **options: create(*command, pass_fds=[pipe], **options)
+    await proving.prove(SourceFile(name="main.csp", text=text), {{}}, text.index("assert"))
+
+asyncio.run(main())
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="passes a descriptor")
+def test_the_prover_ends_when_the_server_is_killed() -> None:
+    reading, writing = os.pipe()
+    with subprocess.Popen([sys.executable, "-c", SERVER, str(writing)], pass_fds=[writing]) as server:
+        os.close(writing)
+        with os.fdopen(reading, "rb") as working:
+            assert working.read(1) == b"!"
+            server.kill()
+            # Only the prover has the other end now.
+            assert working.read() == b""

@@ -230,12 +230,13 @@ def _started(
     forwards it once, so outputs are released and everything is reported.
     """
     reading, writing = os.pipe()
+    lifeline, held = os.pipe()
     if program.board is None:
-        command = [str(program.path), *words, "--parent", str(os.getpid()), "--checks", str(monitor.descriptor)]
+        command = [str(program.path), *words, "--lifeline", str(lifeline), "--checks", str(monitor.descriptor)]
     else:
         command = program.board.command(str(program.path), [*words, "--stream", f"/dev/fd/{writing}"])
     on_board = program.board is not None
-    with os.fdopen(reading, "rb") as stream:
+    with os.fdopen(reading, "rb") as stream, os.fdopen(held, "wb"):
         try:
             running = subprocess.Popen(
                 command,
@@ -245,10 +246,11 @@ def _started(
                 # Against the clock the program itself reports how late it met the instants.
                 stderr=None if program.real_time else subprocess.PIPE,
                 start_new_session=True,
-                pass_fds=[writing if on_board else monitor.descriptor, *given.descriptors],
+                pass_fds=[*([writing] if on_board else [monitor.descriptor, lifeline]), *given.descriptors],
             )
         finally:
             os.close(writing)
+            os.close(lifeline)
             given.program_started()
         with running:
             yield running, stream

@@ -153,11 +153,11 @@ static void crash(int number)
     (void)raise(number);
 }
 
-void csp_signals_end_with_parent(long number)
+void csp_signals_end_with(int pipe)
 {
     csp_signals_handle(SIGTERM, stop, SA_RESTART);
     has_handler[SIGTERM] = true;
-    csp_watch_parent((uint32_t)number);
+    csp_watch_lifeline(pipe);
 }
 
 /* ---- Around a run ---- */

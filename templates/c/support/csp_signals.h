@@ -39,9 +39,9 @@ void csp_signals_report(int descriptor);
  * calls it once more, for the last time. It must not wait for the run. */
 void csp_signals_attend(void (*attend)(bool last));
 
-/* The program ends as by SIGTERM when the process with this number is no longer its parent. SIGTERM ends it even if it was ignored, because the parent
- * uses it to end the program. */
-void csp_signals_end_with_parent(long parent);
+/* The program ends as by SIGTERM when the other end of a pipe is closed, to which nothing is written: by the process that has started it, however that one
+ * ends. SIGTERM ends it even if it was ignored, because that process uses it to end the program. */
+void csp_signals_end_with(int pipe);
 
 /* The exit status of the program: 0 if it ended by itself or at its time limit; 128 plus the number of the signal that stopped it, as in
  * shells; 1 otherwise. */

@@ -26,7 +26,7 @@ typedef struct csp_names {
  *
  *     --environment NAME    the scenario
  *     --for NANOSECONDS     ends at this time
- *     --parent NUMBER       ends when the process of this number is no longer its parent, and by its SIGTERM
+ *     --lifeline NUMBER     ends when the other end of the pipe with this descriptor is closed, and by SIGTERM
  *     --tune FILE           changes parameters as the records in the file or pipe say (csp_tuning.h)
  *     --observe all|ports|signals|none    writes events to standard output, in the records of csp_stream.h (with CSP_TRACE)
  *

@@ -10,15 +10,15 @@
 #include "csp_signals.h"
 #include "csp_tuning.h"
 
-const char csp_host_options[] = "[--parent PID] [--checks DESCRIPTOR] [--tune FILE]";
+const char csp_host_options[] = "[--lifeline DESCRIPTOR] [--checks DESCRIPTOR] [--tune FILE]";
 
-static int64_t parent;        /* the number of the process at whose end it ends; 0: none */
+static int64_t lifeline = -1; /* the descriptor of a pipe at whose end it ends; negative: none */
 static int64_t listener = -1; /* the descriptor for a line about each check of the run; negative: none */
 
 bool csp_host_option(const char *option, const char *value)
 {
-    if (strcmp(option, "--parent") == 0) {
-        return csp_read_number(value, &parent);
+    if (strcmp(option, "--lifeline") == 0) {
+        return csp_read_number(value, &lifeline);
     }
     if (strcmp(option, "--tune") == 0) {
         return csp_tuning_open(value);
@@ -29,8 +29,8 @@ bool csp_host_option(const char *option, const char *value)
 void csp_host_begin(void)
 {
     csp_signals_begin();
-    if (parent != 0) {
-        csp_signals_end_with_parent((long)parent);
+    if (lifeline >= 0) {
+        csp_signals_end_with((int)lifeline);
     }
     csp_signals_report((int)listener);
 }

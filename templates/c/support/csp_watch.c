@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <poll.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdio.h>
@@ -26,7 +27,7 @@ static volatile bool watched;
 static volatile bool patient; /* whether a run without progress is taken to hang */
 static volatile bool hangs;
 static volatile bool forced;       /* the run is to be interrupted */
-static volatile uint32_t parent;   /* 0: any */
+static volatile int lifeline = -1; /* the descriptor of a pipe at whose end the program ends; negative: none */
 static volatile int listener = -1; /* the descriptor for a line about each check; negative: none */
 static void (*volatile attendant)(bool last); /* NULL: none */
 
@@ -162,6 +163,13 @@ static bool wait_for_a_check(void)
     return continues;
 }
 
+/* Nothing is written to the pipe, so whatever happens to it is its end. */
+static bool has_lost_its_lifeline(void)
+{
+    struct pollfd pipe = {CSP_LOAD(lifeline), POLLIN, 0};
+    return poll(&pipe, 1, 0) > 0; /* a negative descriptor is left out */
+}
+
 static void *watch(void *nothing)
 {
     uint32_t iterations = 0U;
@@ -172,9 +180,8 @@ static void *watch(void *nothing)
     while (wait_for_a_check()) {
         report_check(&reported);
         csp_watch_attend(false);
-        const uint32_t expected_parent = CSP_LOAD(parent);
-        if ((expected_parent != 0U) && (getppid() != (pid_t)expected_parent)) {
-            CSP_STORE(parent, 0U);
+        if (has_lost_its_lifeline()) {
+            CSP_STORE(lifeline, -1);
             csp_signals_ask_to_stop(SIGTERM);
         }
         const bool must_end = (csp_signals_first() != 0U) || csp_signals_leaving() || CSP_LOAD(hangs);
@@ -247,9 +254,9 @@ bool csp_watch_runs(void)
     return CSP_LOAD(watched);
 }
 
-void csp_watch_parent(uint32_t number)
+void csp_watch_lifeline(int descriptor)
 {
-    CSP_STORE(parent, number);
+    CSP_STORE(lifeline, descriptor);
 }
 
 void csp_signals_report(int descriptor)

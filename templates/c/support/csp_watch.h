@@ -14,7 +14,7 @@ void csp_watch_end(void);
 /* To be called in a forked child, which has no such thread. */
 void csp_watch_forget(void);
 bool csp_watch_runs(void);
-void csp_watch_parent(uint32_t number);
+void csp_watch_lifeline(int descriptor);
 void csp_watch_wait_for_check(void);
 /* Calls the function of csp_signals_attend. */
 void csp_watch_attend(bool last);
