@@ -18,7 +18,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from cspdiag.studio.server.access import Access, SingleUse
-from cspdiag.studio.server.room import RefusedError, Room
+from cspdiag.studio.server.refusal import RefusedError
+from cspdiag.studio.server.room import Room
 from cspdiag.studio.server.viewer import Viewer
 
 _HEADERS = {

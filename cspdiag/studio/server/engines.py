@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, Final
 
+from cspdiag.base.errors import CspdiagError
+
 MOST_BYTES: Final = 256 * 1024 * 1024
 """Of one message of an engine: the recording of a long run."""
 
@@ -17,7 +19,7 @@ _PATIENCE = 3.0
 """Seconds in which an engine is to release the outputs of its program and to end."""
 
 
-class EngineGone(Exception):  # noqa: N818 - it says what is the case
+class EngineGoneError(CspdiagError):
     """The engine has ended before it answered."""
 
 
@@ -42,7 +44,7 @@ class EngineProcess:
         return self._process is not None
 
     async def request(self, method: str, params: object) -> dict[str, Any]:
-        """The answer, with ``result`` or ``error``. Raises EngineGone."""
+        """The answer, with ``result`` or ``error``. Raises EngineGoneError."""
         async with self._starting:
             process = self._process or await self._start()
         self._requests += 1
@@ -55,7 +57,7 @@ class EngineProcess:
             await process.stdin.drain()
             return await answer
         except (BrokenPipeError, ConnectionResetError):
-            raise EngineGone from None
+            raise EngineGoneError from None
         finally:
             self._waiting.pop(number, None)
 
@@ -79,7 +81,7 @@ class EngineProcess:
                 self._process = None
             for answer in self._waiting.values():
                 if not answer.done():
-                    answer.set_exception(EngineGone())
+                    answer.set_exception(EngineGoneError())
 
     def _take(self, line: str) -> None:
         message = json.loads(line)

@@ -10,6 +10,7 @@ from typing import Any
 from cspdiag.base.errors import file_error
 from cspdiag.base.files.whole import write_whole
 from cspdiag.base.span import with_line_feeds
+from cspdiag.studio.server.refusal import RefusedError
 
 _BESIDE = (".py", ".svg")
 """Hand-written bodies, and drawings that move with the run."""
@@ -17,14 +18,6 @@ _IMPORT = re.compile(r'^\s*import\s+"([^"\n]+)"', re.MULTILINE)
 _LONGEST = 1_000_000
 """Bytes of a file."""
 _WHEN_CHANGED = "copy what you want to keep, and reload the page"
-
-
-class SaveError(Exception):
-    """A file is not saved; the text says why, and ``help`` what to do."""
-
-    def __init__(self, text: str, help: str | None = None) -> None:
-        super().__init__(text)
-        self.help = help
 
 
 class ProgramFiles:
@@ -72,25 +65,25 @@ class ProgramFiles:
         return found
 
     def save(self, name: object, text: object, before: object) -> None:
-        """Replace a file as a whole; ``before`` is what it contained when the page got it. Raises SaveError."""
+        """Replace a file as a whole; ``before`` is what it contained when the page got it. Raises RefusedError."""
         if not isinstance(name, str) or not isinstance(text, str):
-            raise SaveError("`file` and `text` are texts")
+            raise RefusedError("`file` and `text` are texts")
         if name not in self._names:
-            raise SaveError(f"{name} is not a file of the program that the studio was started with")
+            raise RefusedError(f"{name} is not a file of the program that the studio was started with")
         path = self._folder / name
         try:
             data = text.encode()
         except UnicodeEncodeError:
-            raise SaveError(f"{name} has half of a character of two code units (a surrogate)") from None
+            raise RefusedError(f"{name} has half of a character of two code units (a surrogate)") from None
         try:
             present = path.read_bytes()
             if with_line_feeds(present.decode(errors="replace")) != before:
-                raise SaveError(f"{name} has changed on disk since this page was opened", _WHEN_CHANGED)
+                raise RefusedError(f"{name} has changed on disk since this page was opened", _WHEN_CHANGED)
             if b"\r\n" in present:
                 data = with_line_feeds(text).replace("\n", "\r\n").encode()
             write_whole(path, data)
         except OSError as problem:
-            raise SaveError(f"not saved: {file_error(problem)}") from None
+            raise RefusedError(f"not saved: {file_error(problem)}") from None
 
 
 def _text(path: Path) -> str | None:

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cspdiag.studio.server.engines import EngineGone, EngineProcess
-from cspdiag.studio.server.program_files import ProgramFiles, SaveError
+from cspdiag.studio.server.engines import EngineGoneError, EngineProcess
+from cspdiag.studio.server.program_files import ProgramFiles
+from cspdiag.studio.server.refusal import RefusedError
 from cspdiag.studio.server.viewer import Viewer
 
 QUESTIONS = frozenset({"hello", "check", "complete", "hover", "definition", "format", "draw", "explain"})
@@ -20,18 +21,6 @@ CONTROL = frozenset({"start", "play", "pause", "step", "input", "tune", "stop"})
 
 MOST_PENDING = 100
 """Requests of one viewer that may wait for their answers."""
-
-
-class RefusedError(Exception):
-    """A request cannot be answered; the text says why, and ``help`` what to do."""
-
-    def __init__(self, text: str, help: str | None = None) -> None:
-        super().__init__(text)
-        self.help = help
-
-    def as_data(self) -> dict[str, Any]:
-        """The error of a message."""
-        return {"message": str(self), **({"help": self.help} if self.help is not None else {})}
 
 
 class Room:
@@ -103,7 +92,7 @@ class Room:
     async def _ask(self, engine: EngineProcess, method: str, params: Any) -> Any:
         try:
             message = await engine.request(method, params)
-        except EngineGone:
+        except EngineGoneError:
             raise RefusedError(
                 "the engine has ended before it answered", help="ask again: another one begins"
             ) from None
@@ -152,10 +141,7 @@ class Room:
         return {}
 
     async def _save(self, viewer: Viewer, params: Any) -> dict[str, Any]:
-        try:
-            self._files.save(params.get("file"), params.get("text"), params.get("before"))
-        except SaveError as problem:
-            raise RefusedError(str(problem), problem.help) from None
+        self._files.save(params.get("file"), params.get("text"), params.get("before"))
         return {}
 
     def _hand_of(self, viewer: Viewer) -> dict[str, Any]:
