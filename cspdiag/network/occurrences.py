@@ -149,7 +149,8 @@ class Occurrences:
             declaration = channel.declaration
             if isinstance(declaration, ast.Variable) and not isinstance(channel.initial, LiteralValue | None):
                 assert declaration.initial is not None
-                values = {**occurrence.values, **channel.replicators}
+                known: dict[ast.Node, Value] = dict(self.program.tunable.items())
+                values = {**known, **occurrence.values, **channel.replicators}
                 evaluate(self.program, declaration.initial, values, self.report)
 
     def _examine_defaults(self, instance: InstanceShape, values: dict[ast.Node, Value]) -> None:

@@ -37,21 +37,37 @@ def constant_value(expression: Expression, lookup: Lookup) -> Value | None:
     ``lookup`` returns the values of parameters and of constants of the submodel.
     """
     try:
-        value: Value = _value(expression, lookup)
-        return value
+        return computed_value(expression, lookup)
     except (
-        _NoValueError,
+        NoValueError,
+        NoElementError,
         arithmetic.UndefinedError,
         arithmetic.OutOfRangeError,
         ArithmeticError,
         ValueError,
-        IndexError,
     ):
         return None
 
 
-class _NoValueError(Exception):
-    pass
+class NoValueError(Exception):
+    """A name has no value yet."""
+
+
+class NoElementError(Exception):
+    """An index is outside of an array with ``size`` elements."""
+
+    def __init__(self, index: int, size: int) -> None:
+        super().__init__(index, size)
+        self.index = index
+        self.size = size
+
+
+def computed_value(expression: Expression, lookup: Lookup) -> Value:
+    """The value of an expression. Raises NoValueError if a name has no value, and NoElementError, UndefinedError or
+    OutOfRangeError if the arithmetic fails.
+    """
+    value: Value = _value(expression, lookup)
+    return value
 
 
 def _value(expression: Expression, lookup: Lookup) -> Any:
@@ -61,15 +77,15 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
     match expression:
         case LiteralValue():
             if expression.type == UNKNOWN:
-                raise _NoValueError
+                raise NoValueError
             return expression.value
         case ParameterValue() | SignalValue():
             found = lookup(expression)
             if found is None:
-                raise _NoValueError
+                raise NoValueError
             return found
         case TunableValue() | VariableValue() | PresentTime():
-            raise _NoValueError
+            raise NoValueError
         case UnaryOperation():
             operand = value(expression.operand)
             return arithmetic.checked(-operand, expression.type) if expression.operator == "-" else not operand
@@ -91,9 +107,10 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
             return value(expression.operand)[names.index(expression.field)]
         case ElementValue():
             index = value(expression.index)
-            if index < 0:
-                raise _NoValueError
-            return value(expression.operand)[index]
+            elements = value(expression.operand)
+            if not 0 <= index < len(elements):
+                raise NoElementError(index, len(elements))
+            return elements[index]
         case StructValue() | ArrayElements():
             return tuple(map(value, expression.values))
         case _:

@@ -27,6 +27,7 @@ from cspdiag.network.lower.instances import walk_instances
 from cspdiag.network.lower.setting_paths import of_root, refuse_missing
 from cspdiag.network.lower.tunable import bound, program_parameters
 from cspdiag.network.occurrences import Occurrences, instance_names, tunable_parameters, values_by_name
+from cspdiag.network.submodels.initial_values import check_initial_values, with_tested_initial_values
 from cspdiag.syntax import ast
 
 
@@ -102,7 +103,11 @@ def lower(
     computed = _arguments_of_program(program, process, arguments, tunable)
     parameters = program_parameters(program, (*classes.made.values(), *lowered, *computed.values()))
     tuned = bound(classes.made, classes.class_of[outermost], computed, instances, parameters)
-    vocabulary = Vocabulary(program, (*tuned.classes.values(), *ports, *lowered, *parameters))
+    check_initial_values(tuned.classes, tuned.instances, lowered, parameters, report)
+    if report.has_errors:
+        return None
+    made = tuple(map(with_tested_initial_values, tuned.classes.values()))
+    vocabulary = Vocabulary(program, (*made, *ports, *lowered, *parameters))
     return Network(
         name=_package_name(program, process),
         source=program.main.source.name,
@@ -115,7 +120,7 @@ def lower(
         enums=vocabulary.enums(),
         structs=vocabulary.structs(),
         exceptions=vocabulary.exceptions(),
-        classes=with_ranges(tuned.classes.values(), tuned.instances),
+        classes=with_ranges(made, tuned.instances),
         external_ports=ports,
         environments=lowered,
         instances=tuned.instances,

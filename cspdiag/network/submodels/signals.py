@@ -123,7 +123,8 @@ class SubmodelSignals:
         """Reports errors in an expression that is computed before the program runs, once the parameters are known."""
         if self.draft.concrete and not isinstance(expression, ast.Number | ast.Duration | ast.Boolean):
             self.draft.depends = self.draft.depends or not isinstance(expression, ast.Name)
-            evaluate(self.program, expression, {**self._values(), **replicators}, self.report)
+            known: dict[ast.Node, Value] = dict(self.program.tunable.items())
+            evaluate(self.program, expression, {**known, **self._values(), **replicators}, self.report)
 
     def _values(self) -> dict[ast.Node, Value]:
         """The values of the parameters of the definition."""
