@@ -3,7 +3,7 @@
 import { Diagram } from "./diagram/diagram";
 import { Editor } from "./editor/editor";
 import { Problems } from "./editor/problems";
-import { Connection } from "./engine/engine";
+import { Connection, inWords } from "./engine/engine";
 import type { Fix, Hello, Model, Place, Program, Running } from "./engine/messages";
 import { chosen } from "./engine/transports";
 import { Generate } from "./generate/generate";
@@ -108,7 +108,7 @@ async function explain(code: string): Promise<void> {
     element("dialog-body", HTMLElement).replaceChildren(markdown(text));
     dialog.showModal();
   } catch (problem) {
-    tell(problem instanceof Error ? problem.message : String(problem));
+    tell(inWords(problem));
   }
 }
 
@@ -120,7 +120,7 @@ async function format(): Promise<void> {
       editor.replace(text);
     }
   } catch (problem) {
-    tell(problem instanceof Error ? problem.message : String(problem));
+    tell(inWords(problem));
   }
 }
 
@@ -145,7 +145,7 @@ async function check(): Promise<void> {
     run.checked(result);
     proofs.show(result.assertions);
   } catch (problem) {
-    tell(problem instanceof Error ? problem.message : String(problem));
+    tell(inWords(problem));
   }
   checking = false;
   await check();
@@ -202,7 +202,7 @@ async function opened({ models: known, program, running, able }: Hello): Promise
   try {
     linked = await decoded(location.hash);
   } catch (problem) {
-    tell(problem instanceof Error ? problem.message : String(problem));
+    tell(inWords(problem));
   }
   const first = linked ?? program ?? known.find((model) => model.name === "jiwy") ?? known[0];
   if (first !== undefined) {
@@ -218,7 +218,7 @@ function listen(): void {
   element("format", HTMLButtonElement).addEventListener("click", () => void format());
   element("dialog-close", HTMLButtonElement).addEventListener("click", () => dialog.close());
   window.addEventListener("hashchange", () => {
-    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program)), (problem: unknown) => tell(String(problem)));
+    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program)), (problem: unknown) => tell(inWords(problem)));
   });
   window.addEventListener("keydown", (event) => {
     const acts: Record<string, () => void> = {
@@ -251,7 +251,7 @@ async function begin(): Promise<void> {
     }
     await opened(hello);
   } catch (problem) {
-    say(status, `The engine did not start: ${problem instanceof Error ? problem.message : String(problem)}.`, true);
+    say(status, `The engine did not start: ${inWords(problem)}.`, true);
   }
 }
 

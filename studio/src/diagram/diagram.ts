@@ -1,11 +1,23 @@
 /** The diagram beside the text: drawn while the text is written, lit by the cursor, by runs and by proofs. */
 
 import { Picture } from "../../../editors/vscode/src/webview/picture";
-import type { Engine } from "../engine/engine";
+import { type Engine, inWords } from "../engine/engine";
 import type { DrawResult, Place, Position, Waiting } from "../engine/messages";
 import { element, options } from "../page/dom";
 import type { Workspace } from "../program/workspace";
 import { Elements } from "./elements";
+
+/** The state of a run, or of a step of a counterexample; names are paths. */
+export interface Marks {
+  running?: readonly string[];
+  communicating?: readonly string[];
+  /** Who waits, as programs do all the time. */
+  waiting?: readonly Waiting[];
+  /** Who waits for ever. */
+  stuck?: readonly Waiting[];
+}
+
+export const NOTHING: Marks = {};
 
 export class Diagram {
   private readonly room = element("diagram", HTMLElement);
@@ -20,11 +32,7 @@ export class Diagram {
   private drawing = false;
   private again = false;
   private found = 0;
-  private marks: { running: string[]; waiting: Waiting[]; communicating: string[] } = {
-    running: [],
-    waiting: [],
-    communicating: [],
-  };
+  private marks = NOTHING;
 
   constructor(
     private readonly engine: Engine,
@@ -71,7 +79,7 @@ export class Diagram {
   reset(): void {
     this.process.replaceChildren();
     this.search.value = "";
-    this.mark({ running: [], waiting: [], communicating: [] });
+    this.mark(NOTHING);
   }
 
   /** Draws what is open; while it is drawn, only the last of several changes is remembered. */
@@ -102,7 +110,7 @@ export class Diagram {
       });
       this.show(result);
     } catch (problem) {
-      this.say(problem instanceof Error ? problem.message : String(problem));
+      this.say(inWords(problem));
     }
   }
 
@@ -133,16 +141,16 @@ export class Diagram {
     this.picture.mark("lit", this.elements.at(file, at));
   }
 
-  /** Marks the state of a run or of a step of a counterexample; names are paths. */
-  mark(marks: { running: string[]; waiting: Waiting[]; communicating: string[] }): void {
+  mark(marks: Marks): void {
     this.marks = marks;
     this.paint();
   }
 
   private paint(): void {
-    const { running, waiting, communicating } = this.marks;
+    const { running = [], waiting = [], communicating = [], stuck = [] } = this.marks;
     this.picture.mark("running", this.elements.everyNamed(running));
-    this.picture.mark("waiting", this.elements.waiting(waiting));
+    this.picture.mark("pending", this.elements.everyNamed(waiting.flatMap((each) => each.channels)));
+    this.picture.mark("waiting", this.elements.waiting(stuck));
     this.picture.mark("communicating", this.elements.everyNamed(communicating));
   }
 

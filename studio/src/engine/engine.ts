@@ -12,6 +12,14 @@ export class EngineError extends Error {
   }
 }
 
+/** What went wrong, and what to do. */
+export function inWords(problem: unknown): string {
+  if (problem instanceof EngineError && problem.help !== undefined) {
+    return `${problem.message}: ${problem.help}`;
+  }
+  return problem instanceof Error ? problem.message : String(problem);
+}
+
 export interface Engine {
   request<M extends Method>(method: M, params: Requests[M]["params"]): Promise<Requests[M]["result"]>;
   on<N extends keyof Notifications>(name: N, listener: (params: Notifications[N]) => void): void;

@@ -1,6 +1,6 @@
 /** Generated code to read and to download, and the timing analysis. */
 
-import type { Engine } from "../engine/engine";
+import { type Engine, inWords } from "../engine/engine";
 import { button, element, h, options } from "../page/dom";
 import type { Workspace } from "../program/workspace";
 import { archive } from "./archive";
@@ -55,7 +55,7 @@ export class Generate {
       this.say("");
     } catch (problem) {
       this.show({});
-      this.say(problem instanceof Error ? problem.message : String(problem));
+      this.say(inWords(problem));
     }
     if (version !== this.workspace.version) {
       this.reset();

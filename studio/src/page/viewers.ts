@@ -1,13 +1,13 @@
 /** Several pages may show one program; one of them controls it. */
 
-import type { Engine } from "../engine/engine";
+import { type Engine, inWords } from "../engine/engine";
 import type { HandState } from "../engine/messages";
 import { button, element } from "./dom";
 
 export function viewers(engine: Engine, tell: (text: string) => void, changed: (controls: boolean) => void): (state: HandState) => void {
   const note = element("hand-note", HTMLElement);
   const take = () => {
-    engine.request("take_hand", {}).catch((problem: unknown) => tell(problem instanceof Error ? problem.message : String(problem)));
+    engine.request("take_hand", {}).catch((problem: unknown) => tell(inWords(problem)));
   };
   const show = ({ hand }: HandState) => {
     note.hidden = hand;

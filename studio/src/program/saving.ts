@@ -1,6 +1,6 @@
 /** Saves files of the program on the machine where its engine runs. */
 
-import type { Engine } from "../engine/engine";
+import { type Engine, inWords } from "../engine/engine";
 import type { Program } from "../engine/messages";
 import { element } from "../page/dom";
 import type { Workspace } from "./workspace";
@@ -55,7 +55,7 @@ export class Saving {
         this.saved[file] = text;
         this.tell(`${file} is saved.`);
       } catch (problem) {
-        this.tell(problem instanceof Error ? problem.message : String(problem));
+        this.tell(inWords(problem));
       }
     }
     this.paint();

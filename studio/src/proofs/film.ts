@@ -1,6 +1,6 @@
 /** A counterexample, step by step, with who communicates and who waits marked in the diagram. */
 
-import type { Diagram } from "../diagram/diagram";
+import { type Diagram, NOTHING } from "../diagram/diagram";
 import type { Counterexample, Step, Waiting } from "../engine/messages";
 import { button, h } from "../page/dom";
 import { clock } from "../run/track";
@@ -47,7 +47,7 @@ export class Film {
     this.stop();
     if (!this.room.hidden) {
       this.room.hidden = true;
-      this.diagram.mark({ running: [], waiting: [], communicating: [] });
+      this.diagram.mark(NOTHING);
     }
   }
 
@@ -130,6 +130,6 @@ export class Film {
     }
     const current = list.querySelector<HTMLElement>("[aria-current]");
     list.scrollTop = (current?.offsetTop ?? 0) - list.clientHeight / 2;
-    this.diagram.mark({ running: [], waiting, communicating: step.channel == null ? [] : [step.channel] });
+    this.diagram.mark({ stuck: waiting, communicating: step.channel == null ? [] : [step.channel] });
   }
 }

@@ -1,7 +1,7 @@
 /** Assertions and their answers; a counterexample is shown as a film in the diagram. */
 
 import type { Diagram } from "../diagram/diagram";
-import type { Engine } from "../engine/engine";
+import { type Engine, inWords } from "../engine/engine";
 import type { Answer, Assertion, Counterexample, Fix, Place } from "../engine/messages";
 import { button, element, h } from "../page/dom";
 import { inline } from "../page/markdown";
@@ -61,7 +61,7 @@ export class Proofs {
       }
       this.say("");
     } catch (problem) {
-      this.say(problem instanceof Error ? problem.message : String(problem));
+      this.say(inWords(problem));
     }
     this.busy = false;
     this.prove.textContent = "Prove all";

@@ -20,7 +20,11 @@ export class Modes {
   }
 
   show(recording: Recording, from: number, to: number, at: number): void {
-    for (const path of recording.modes.keys()) {
+    for (const [path, log] of recording.modes) {
+      // A part that is one process has nothing to tell.
+      if (log.items.every((mode) => mode === path)) {
+        continue;
+      }
       const { track, now } = this.rows.get(path) ?? this.row(path);
       const percent = (time: number) => ((time - from) / Math.max(to - from, 1)) * 100;
       const spans = recording.spans(path, from, to).slice(-MOST_SPANS);

@@ -1,6 +1,6 @@
 /** The part of the page that runs the program: its buttons, its pictures, its past. */
 
-import type { Diagram } from "../diagram/diagram";
+import { type Diagram, NOTHING } from "../diagram/diagram";
 import type { CheckResult, ParameterInfo, StartResult } from "../engine/messages";
 import { button, element, options } from "../page/dom";
 import type { Workspace } from "../program/workspace";
@@ -49,7 +49,7 @@ export class RunPanel {
     private readonly workspace: Workspace,
     private readonly diagram: Diagram,
   ) {
-    this.plots = new Plots(element("plots", HTMLElement), (at) => void this.look(at));
+    this.plots = new Plots(element("plots", HTMLElement), (at) => void this.look(at), () => this.soon());
     this.plant = new Plant(this.plantRoom);
     this.hand = new Hand(element("hand", HTMLElement), (name, value) => session.input(name, value));
     this.parameters = new Parameters(element("parameters", HTMLElement), (name, value) => session.tune(name, value));
@@ -176,14 +176,14 @@ export class RunPanel {
     this.showTime();
     this.showNote();
     if (!any) {
-      this.diagram.mark({ running: [], waiting: [], communicating: [] });
+      this.diagram.mark(NOTHING);
       this.events.replaceChildren();
       return;
     }
     const at = session.shown;
     const to = session.live ? Math.max(recording.now, 1e6) : Math.max(at, Math.min(recording.now, at + WINDOW / 2));
     const from = Math.max(0, to - WINDOW);
-    this.plots.show(from, Math.max(to, from + 1e6), at);
+    this.plots.show(from, Math.max(to, from + 1e6), at, phase === "playing");
     this.modes.show(recording, from, Math.max(to, from + 1e6), at);
     this.plant.show((name) => recording.tracks.get(name)?.at(at));
     this.markDiagram(at);
@@ -219,9 +219,11 @@ export class RunPanel {
       this.note.append(problem);
     } else if (ended !== undefined) {
       this.note.classList.toggle("bad", ended.reason === "deadlock" || ended.reason === "fault");
-      this.note.append(ended.text === "" ? `The run has ended: ${ended.reason}.` : ended.text);
-      if (ended.waiting != null && ended.waiting.length > 0) {
-        this.note.append(waits.list(ended.waiting));
+      const listed = ended.waiting != null && ended.waiting.length > 0;
+      const text = listed ? (ended.text.split("\n")[0] ?? "") : ended.text;
+      this.note.append(text === "" ? `The run has ended: ${ended.reason}.` : text);
+      if (listed) {
+        this.note.append(waits.list(ended.waiting ?? []));
       }
     } else if (stale) {
       this.note.append("This is a run of the text as it was. ", button("Run the new text", () => void this.again()));
@@ -235,12 +237,13 @@ export class RunPanel {
   }
 
   private markDiagram(at: number): void {
-    const { recording, phase } = this.session;
+    const { recording, phase, ended } = this.session;
     const recent = recording.communications.between(Math.max(at - FLASH, 0), at);
     const last = phase === "playing" ? recent : recent.filter((each) => each.t === recent.at(-1)?.t);
     this.diagram.mark({
       running: recording.runningAt(at),
-      waiting: phase === "playing" ? [] : [...recording.waitingAt(at)],
+      waiting: phase === "playing" ? [] : recording.waitingAt(at),
+      stuck: ended?.reason === "deadlock" && this.session.live ? (ended.waiting ?? []) : [],
       communicating: [...new Set(last.map((each) => each.what.channel))],
     });
     const shown = recording.communications.between(0, at).slice(-MOST_SHOWN).reverse();

@@ -9,6 +9,8 @@ import type { Track } from "./track";
 /** How many colours --series-1 … there are. */
 const COLOURS = 8;
 const HEIGHT = 116;
+/** Milliseconds between two paintings while the run goes on: a canvas takes longer than all else on the page. */
+const PACE = 30;
 
 interface Group {
   title: string;
@@ -44,6 +46,7 @@ function colour(name: string): string {
 }
 
 interface Shown {
+  figure: HTMLElement;
   plot: uPlot;
   tracks: Track[];
   values: HTMLElement[];
@@ -53,10 +56,25 @@ export class Plots {
   private shown: Shown[] = [];
   private signals: readonly Signal[] = [];
   private recording: Recording | undefined;
+  private painted = 0;
+  /** The plots that can be seen; others are not painted. */
+  private readonly seen = new Set<Element>();
+  private readonly watch = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) {
+      if (isIntersecting) {
+        this.seen.add(target);
+      } else {
+        this.seen.delete(target);
+      }
+    }
+    this.painted = 0;
+    this.again();
+  });
 
   constructor(
     private readonly room: HTMLElement,
     private readonly look: (at: number) => void,
+    private readonly again: () => void,
   ) {
     new ResizeObserver(() => {
       for (const { plot } of this.shown) {
@@ -72,6 +90,8 @@ export class Plots {
       plot.destroy();
     }
     this.room.replaceChildren();
+    this.watch.disconnect();
+    this.seen.clear();
     this.shown = groups(signals).map((group) => this.made(group, recording));
   }
 
@@ -94,9 +114,10 @@ export class Plots {
     });
     const place = h("div", { class: "canvas" });
     const names = signals.map((signal) => signal.name).join(", ");
-    this.room.append(
-      h("figure", { class: "plot", "aria-label": `Plot of ${names}` }, h("figcaption", {}, h("b", {}, title), h("ul", {}, ...keys)), place),
-    );
+    const caption = h("figcaption", {}, h("b", {}, title), h("ul", {}, ...keys));
+    const figure = h("figure", { class: "plot", "aria-label": `Plot of ${names}` }, caption, place);
+    this.room.append(figure);
+    this.watch.observe(figure);
     const axis = { stroke: colour("--faint"), grid: { stroke: colour("--grid"), width: 1 }, ticks: { show: false } };
     const font = "11px system-ui, sans-serif";
     const plot = new uPlot(
@@ -109,7 +130,7 @@ export class Plots {
         scales: { x: { time: false }, y: { range: (_, low, high) => around(low, high) } },
         axes: [
           { ...axis, font, size: 22, gap: 2, values: (_, splits) => splits.map((at) => `${at}`) },
-          { ...axis, font, size: 46, gap: 4 },
+          { ...axis, font, size: 46, gap: 4, space: 26 },
         ],
         series: [
           {},
@@ -132,7 +153,8 @@ export class Plots {
         this.look(plot.posToVal(left, "x") * 1e9);
       }
     });
-    return { plot, tracks: signals.map((signal) => recording.tracks.get(signal.name)).filter((track) => track !== undefined), values };
+    const tracks = signals.map((signal) => recording.tracks.get(signal.name)).filter((track) => track !== undefined);
+    return { figure, plot, tracks, values };
   }
 
   private at = 0;
@@ -154,10 +176,17 @@ export class Plots {
     plot.ctx.restore();
   }
 
-  /** Shows a stretch of time, and the values at an instant. */
-  show(from: number, to: number, at: number): void {
+  /** Shows a stretch of time, and the values at an instant; what will be painted again soon is not hurried. */
+  show(from: number, to: number, at: number, soon: boolean): void {
+    if (soon && performance.now() - this.painted < PACE) {
+      return;
+    }
+    this.painted = performance.now();
     this.at = at;
-    for (const { plot, tracks, values } of this.shown) {
+    for (const { figure, plot, tracks, values } of this.shown) {
+      if (!this.seen.has(figure)) {
+        continue;
+      }
       const count = Math.max(Math.round(plot.width / 2), 50);
       const x: number[] = [];
       for (let column = 0; column < count; column++) {

@@ -1,6 +1,6 @@
 /** A run of the program on the engine, what was recorded of it, and the instant that the page shows. */
 
-import type { Engine } from "../engine/engine";
+import { type Engine, inWords } from "../engine/engine";
 import type { Ended, Frame, Program, SessionId, StartResult, Value } from "../engine/messages";
 import { Recording } from "./recording";
 
@@ -168,14 +168,14 @@ export class Session {
     try {
       await request();
     } catch (problem) {
-      this.problem = problem instanceof Error ? problem.message : String(problem);
+      this.problem = inWords(problem);
       this.changed();
     }
   }
 
   private fail(problem: unknown): void {
     this.phase = "idle";
-    this.problem = problem instanceof Error ? problem.message : String(problem);
+    this.problem = inWords(problem);
     this.changed();
   }
 

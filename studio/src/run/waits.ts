@@ -4,14 +4,15 @@ import type { Waiting } from "../engine/messages";
 import { h } from "../page/dom";
 
 export function sentence({ process, channels, for: what, partners }: Waiting): string {
-  if (partners != null && partners.length > 0 && what != null) {
-    return `${process} ${what}: for ${partners.join(", ")}`;
-  }
   const where = channels.length === 0 ? "" : ` on ${channels.join(", ")}`;
+  const whom = partners != null && partners.length > 0 ? `, for ${partners.join(", ")}` : "";
   if (what == null || what === "") {
-    return `${process} waits${where}`;
+    return `${process} waits${where}${whom}`;
   }
-  return /\bwait/.test(what) ? `${process} ${what}` : `${process} waits${where} for ${what}`;
+  if (/\bwaits?\b/.test(what)) {
+    return `${process} ${what}${whom}`;
+  }
+  return `${process} waits${what.startsWith("to ") ? ` ${what}` : `${where} for ${what}`}${whom}`;
 }
 
 /** What all paths begin with: the name of the whole program and a dot; without paths nothing that occurs in texts. */

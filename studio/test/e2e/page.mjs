@@ -6,9 +6,10 @@ import { serve } from "../../dev/server.mjs";
 
 const HERE = import.meta.dirname;
 /** How the tests are called: the pytest test sets these. */
-const PYTHON = process.env.PYTHON ?? path.join(HERE, "../../../.venv/bin/python");
-const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+export const PYTHON = process.env.PYTHON ?? path.join(HERE, "../../../.venv/bin/python");
+export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 
+export const MODELS = path.join(HERE, "../../../models");
 export const REAL = [PYTHON, "-m", "cspdiag.studio.engine"];
 export const SCRIPTED = [process.execPath, path.join(HERE, "scripted.mjs")];
 export const HOSTILE = [...SCRIPTED, "hostile"];

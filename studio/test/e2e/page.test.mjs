@@ -14,8 +14,6 @@ before(async () => {
 });
 after(() => studio.close());
 
-const time = async (page) => parseFloat(await page.locator("#ui-time").textContent());
-
 test("a mistake is shown with its help, both ends and what mends it", async () => {
   const page = await studio.open();
   await write(page, "process Pair {\n  left : A\n  slip : B\n}\n");
@@ -82,7 +80,7 @@ test("one can stop, step, go back and scrub", async () => {
   await page.getByLabel("Instant of the run").fill("10");
   await page.waitForFunction((text) => document.querySelector("#ui-plant text").textContent !== text, before);
   await page.locator("#ui-step").click();
-  assert.equal(await time(page), 0.05);
+  await page.waitForFunction(() => document.querySelector("#ui-time").textContent.startsWith("0.050 s of"));
   await page.close();
 });
 

@@ -86,7 +86,8 @@ test("who waits is said in one sentence", () => {
   assert.equal(sentence({ process: "a", channels: ["k"], for: "b" }), "a waits on k for b");
   assert.equal(sentence({ process: "a", channels: ["k"], for: "waits to write" }), "a waits to write");
   assert.equal(sentence({ process: "a", channels: [] }), "a waits");
-  assert.equal(sentence({ process: "a", channels: ["k"], for: "waits to write k", partners: ["b"] }), "a waits to write k: for b");
+  assert.equal(sentence({ process: "a", channels: ["k"], for: "to read k", partners: ["b"] }), "a waits to read k, for b");
+  assert.equal(sentence({ process: "a", channels: ["k"], for: "waits to write k", partners: ["b"] }), "a waits to write k, for b");
 });
 
 test("a film ends with who waits", () => {

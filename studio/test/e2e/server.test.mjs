@@ -1,0 +1,77 @@
+// The page as `cspdiag studio` serves it.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { after, before, test } from "node:test";
+import { chromium } from "playwright-core";
+import { CHROMIUM, MODELS, PYTHON, screenshot } from "./page.mjs";
+
+const folder = mkdtempSync(path.join(tmpdir(), "cspdiag-studio-"));
+const file = path.join(folder, "buffer.csp");
+let server;
+let browser;
+let address;
+
+before(async () => {
+  cpSync(path.join(MODELS, "buffer/buffer.csp"), file);
+  server = spawn(PYTHON, ["-m", "cspdiag", "studio", file, "--no-browser"], { stdio: ["ignore", "pipe", "pipe"] });
+  address = await new Promise((resolve, reject) => {
+    let said = "";
+    const listen = (data) => {
+      said += data;
+      const found = /http:\/\/\S+/.exec(said)?.[0];
+      if (found !== undefined) resolve(found);
+    };
+    server.stdout.on("data", listen);
+    server.stderr.on("data", listen);
+    server.on("exit", () => reject(new Error(`cspdiag studio ended: ${said}`)));
+  });
+  browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
+});
+after(async () => {
+  await browser?.close();
+  server.removeAllListeners("exit");
+  server.kill();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+async function open() {
+  const page = await browser.newPage({ viewport: { width: 1600, height: 900 } });
+  page.setDefaultTimeout(20_000);
+  await page.goto(address);
+  await page.locator("#ui-diagram svg").waitFor();
+  return page;
+}
+
+test("what is written is saved, and not over what others have written", async () => {
+  const page = await open();
+  await page.locator(".cm-content").click();
+  await page.keyboard.press("Control+Home");
+  await page.keyboard.insertText("// written here\n");
+  await page.keyboard.press("Control+s");
+  await page.getByText("buffer.csp is saved.").waitFor();
+  assert.match(readFileSync(file, "utf8"), /^\/\/ written here\n/);
+  assert.equal(await page.getByRole("button", { name: "Save" }).isDisabled(), true);
+  writeFileSync(file, `// by others\n${readFileSync(file, "utf8")}`);
+  await page.locator(".cm-content").click();
+  await page.keyboard.insertText("// once more\n");
+  await page.keyboard.press("Control+s");
+  await page.getByText(/buffer\.csp has changed on disk.*copy what you want to keep/).waitFor();
+  assert.match(readFileSync(file, "utf8"), /^\/\/ by others\n/);
+  await page.close();
+});
+
+test("of two pages one controls the program, and the other can take control", async () => {
+  const first = await open();
+  const second = await open();
+  await second.getByText("Another page controls the program.").waitFor();
+  assert.equal(await second.locator("#ui-run-button").isDisabled(), true);
+  await screenshot(second, "viewer");
+  await second.getByRole("button", { name: "Take control" }).click();
+  await first.getByText("Another page controls the program.").waitFor();
+  assert.equal(await second.locator("#ui-run-button").isDisabled(), false);
+  await first.close();
+  await second.close();
+});
