@@ -96,3 +96,55 @@ for (const name of ["buffer", "cascade", "commstime", "emergency", "ring", "watc
     await page.close();
   });
 }
+
+test("JIWY moves: the stick turns it, one can go back, and its modes are seen", async () => {
+  const page = await studio.open();
+  await page.getByText("No problems").waitFor();
+  await page.locator("#ui-run-button").click();
+  const arm = page.locator("#ui-plant [data-rotate]").first();
+  const angle = async () => Number(/rotate\(([-\d.e]+)/.exec(await arm.getAttribute("transform"))?.[1]);
+  const pan = page.locator("#ui-modes .row", { hasText: "horizontal" }).locator("output");
+  await page.waitForFunction((it) => it.textContent === "motionControl", await pan.elementHandle());
+  await page.locator("#ui-run-button").click();
+  const before = await angle();
+  await page.getByRole("slider", { name: /Stick/ }).focus();
+  for (let i = 0; i < 8; i++) await page.keyboard.press("ArrowRight");
+  await page.locator("#ui-run-button").click();
+  await page.waitForFunction(
+    ([it, from]) => Math.abs(Number(/rotate\(([-\d.e]+)/.exec(it.getAttribute("transform"))[1]) - from) > 20,
+    [await arm.elementHandle(), before],
+  );
+  await page.locator("#Jiwy-horizontal.running").waitFor();
+  await page.locator("#ui-run-button").click();
+  await screenshot(page, "jiwy-moves");
+  await page.getByLabel("Instant of the run").fill("1000");
+  await page.waitForFunction((it) => it.textContent === "alignL", await pan.elementHandle());
+  await page.locator("#ui-step").click();
+  await page.locator("#ui-diagram .communicating").first().waitFor({ state: "attached" });
+  assert.deepEqual(page.complaints, []);
+  await page.close();
+});
+
+test("a parameter is changed while the program runs", async () => {
+  const page = await studio.open();
+  await page.getByText("Parameters (12)").click();
+  const slider = page.getByLabel("panGains.kp");
+  await page.locator("#ui-run-button").click();
+  await page.locator("#Jiwy-horizontal.running").waitFor();
+  await slider.focus();
+  await page.keyboard.press("ArrowRight");
+  await page.waitForTimeout(300);
+  assert.equal(await page.locator("#ui-run-note").isHidden(), true, await page.locator("#ui-run-note").textContent());
+  await page.close();
+});
+
+test("the philosophers run into their deadlock", async () => {
+  const page = await studio.open();
+  await choose(page, "dining/deadlock");
+  await page.locator("#ui-diagram svg", { hasText: "philosopher" }).waitFor();
+  await page.locator("#ui-run-button").click();
+  await page.locator("#ui-run-note.bad li", { hasText: "philosopher[0] waits" }).waitFor();
+  await page.locator("#ui-diagram .waiting").first().waitFor({ state: "attached" });
+  await screenshot(page, "philosophers-run");
+  await page.close();
+});
