@@ -9,6 +9,7 @@ import shutil
 import sys
 from pathlib import Path
 
+from distribution.site.book import browser, write_book
 from distribution.site.links import complaints
 from distribution.site.shell import CommandError
 from distribution.site.stage import Site
@@ -25,8 +26,9 @@ def main() -> int:
     """Build the site; returns 1, and says why, if something of it is wrong."""
     from sphinx.cmd.build import build_main
 
-    has_playground = (PLAYGROUND / "index.html").exists()
-    site = Site(SOURCES, BUILD / "site-work", "linked" if has_playground else "absent")
+    has_playground = (PLAYGROUND / "worker.js").exists()
+    printer = browser()
+    site = Site(SOURCES, BUILD / "site-work", "linked" if has_playground else "absent", has_book=printer is not None)
     try:
         site.write()
     except CommandError as problem:
@@ -40,6 +42,10 @@ def main() -> int:
         shutil.copytree(PLAYGROUND, OUT / "playground")
     else:
         print("there is no playground: `make studio` makes it, and then programs get links that open them in it")
+    if printer is not None:
+        write_book(OUT, printer)
+    else:
+        print("there is no document to print: a browser prints it, for example that of the package chromium")
     if found := complaints(OUT):
         print("\n".join(found), file=sys.stderr)
         return 1

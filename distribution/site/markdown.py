@@ -135,7 +135,7 @@ def _below(page: Page, block: Block, text: str, show: Show) -> str:
         if page.shell is None:
             raise ValueError(f"{page.source}: its commands are not run when the site is built")
         before = page.shell.pictures
-        output = page.shell.run(block.text)
+        output = re.sub(r"^wrote \S+\.svg\n", "", page.shell.run(block.text), flags=re.MULTILINE)
         lines = output.count("\n")
         output = fenced(output, "text") if lines <= _LONG else details(f"Output, {lines} lines", output)
         pictures = [name for name in sorted(page.shell.pictures - before) if f"]({name})" not in text]

@@ -3,25 +3,8 @@
 from __future__ import annotations
 
 import re
+from colorsys import hls_to_rgb, rgb_to_hls
 
-_DARK = {
-    "#ffffff": "#131416",
-    "#000000": "#e6e8ea",
-    "#222222": "#dfe3e7",
-    "#666666": "#9aa4af",
-    "#bbbbbb": "#5b626b",
-    "#dddddd": "#33383e",
-    "#1f4e79": "#79aede",
-    "#bcd3ea": "#2b4a68",
-    "#8bb0d6": "#3f6a92",
-    "#dbe9f6": "#1d3043",
-    "#c0504d": "#e88a87",
-    "#4f8a3c": "#8cc878",
-    "#7f5fa0": "#b79ad6",
-    "#b07d2b": "#d9ac62",
-    "#3a8f99": "#6cc3cd",
-}
-"""The colours of plots on a dark page; those of lines have the same order of brightness."""
 _COLOUR = re.compile(r"#[0-9a-f]{6}\b")
 _AUTO = re.compile(
     r"\s*\.cspdiag\.auto \{(?P<light>[^}]*)\}"
@@ -37,9 +20,16 @@ def dark(svg: str) -> str | None:
         return _with_colours(svg, schemes["dark"])
     if "Matplotlib" in svg[:2000]:
         # Text without a colour is black, which the outermost group changes.
-        recoloured = _COLOUR.sub(lambda found: _DARK.get(found[0], found[0]), svg)
-        return recoloured.replace('<g id="figure_1">', '<g id="figure_1" fill="#e6e8ea">', 1)
+        recoloured = _COLOUR.sub(lambda found: _in_the_dark(found[0]), svg)
+        return recoloured.replace('<g id="figure_1">', f'<g id="figure_1" fill="{_in_the_dark("#000000")}">', 1)
     return None
+
+
+def _in_the_dark(colour: str) -> str:
+    """The colour of the same hue that is as bright as this one is dark; white becomes the paper of a dark page."""
+    hue, lightness, saturation = rgb_to_hls(*(int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)))
+    parts = hls_to_rgb(hue, 0.92 - 0.845 * lightness, saturation)
+    return "#" + "".join(f"{round(255 * part):02x}" for part in parts)
 
 
 def light(svg: str) -> str:

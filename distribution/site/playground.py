@@ -15,7 +15,7 @@ _IMPORT = re.compile(r'^\s*import\s+"([^"]+)"', re.MULTILINE)
 
 def fragment(files: Mapping[str, str], main: str) -> str:
     """The fragment of a link that holds a program: ``#code=`` and the raw-deflated JSON of its files in base64url,
-    without padding. ``docs/design/studio.md`` has the format, and ``studio/src/link.ts`` reads it.
+    without padding. ``docs/design/studio.md`` has the format, and ``studio/src/program/link.ts`` reads it.
     """
     program = json.dumps({"files": dict(files), "main": main}, ensure_ascii=False, separators=(",", ":"))
     packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS)

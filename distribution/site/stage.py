@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from distribution.site import front, generated
-from distribution.site.contents import RUN, SECTIONS, Entry, Section
+from distribution.site.book import NAME as BOOK
+from distribution.site.contents import REFERENCE, RUN, SECTIONS, Entry, Section
 from distribution.site.markdown import Page, Playground, converted, fenced, play_link, prose, relative
 from distribution.site.pictures import dark, light
 from distribution.site.playground import program_of
@@ -30,10 +31,11 @@ _ENTRIES = tuple(entry for section in SECTIONS for group in section.groups for e
 class Site:
     """The sources of the site in a folder. Files that did not change keep their times, so Sphinx reads the others."""
 
-    def __init__(self, folder: Path, work: Path, playground: Playground = "linked") -> None:
+    def __init__(self, folder: Path, work: Path, playground: Playground = "linked", *, has_book: bool = False) -> None:
         self.folder = folder
         self.work = work
         self.playground: Playground = playground
+        self.has_book = has_book
         self.pages: list[Page] = []
         self._written: set[Path] = set()
         self._places = _PLACES | {entry.source: entry.place for entry in _ENTRIES if entry.source}
@@ -142,6 +144,10 @@ class Site:
         """The first page of a section: what is in it, for those who do not know it yet."""
         page = self.page_at(f"{section.folder}/index")
         parts = [f"# {section.name}\n\n{section.introduction}\n"]
+        if self.has_book and section is REFERENCE:
+            parts.append(
+                f'The language, its notation and its semantics are also <a href="../{BOOK}">a document to print</a>.\n'
+            )
         for group in section.groups:
             heading = f"## {group.title}\n\n" if group.title else ""
             rows = [
