@@ -8,13 +8,15 @@ dataclasses for it.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import partial, wraps
 from operator import attrgetter
 from types import FunctionType, MappingProxyType
 from typing import Any, Final, Generic, TypeAlias, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
+Result = TypeVar("Result")
 Constructor: TypeAlias = "Callable[..., None]"
 
 EMPTY: Final[Mapping[Any, Any]] = MappingProxyType({})
@@ -248,3 +250,25 @@ def replaced(item: T, **changes: Any) -> T:
     values = {name: getattr(item, name) for name in field_names(item)}
     values.update(changes)
     return type(item)(**values)
+
+
+def kept_for_same(results: int) -> Callable[[Callable[[T], Result]], Callable[[T], Result]]:
+    """Keeps the last results of a function for records, compared by identity: equal ones may have other places in
+    the text, and to hash a network takes as long as to search it.
+    """
+
+    def keeping(function: Callable[[T], Result]) -> Callable[[T], Result]:
+        kept: OrderedDict[int, tuple[T, Result]] = OrderedDict()
+
+        @wraps(function)
+        def result(item: T) -> Result:
+            found = kept.get(id(item))
+            if found is None:
+                found = kept[id(item)] = (item, function(item))
+                if len(kept) > results:
+                    kept.popitem(last=False)
+            return found[1]
+
+        return result
+
+    return keeping

@@ -13,7 +13,7 @@ from typing import ClassVar
 import pytest
 
 import cspdiag
-from cspdiag.base.record import field_names, is_record, lazily, node, record, replaced
+from cspdiag.base.record import field_names, is_record, kept_for_same, lazily, node, record, replaced
 from cspdiag.base.span import SourceFile, Span
 
 
@@ -391,3 +391,23 @@ def test_a_span_is_like_a_record_but_has_no_dictionary():
         del span.start
     with pytest.raises(TypeError):
         Span(source, 1)
+
+
+def test_results_are_kept_for_the_same_record_not_for_an_equal_one() -> None:
+    @record
+    class Place:
+        name: str
+
+    asked: list[Place] = []
+
+    @kept_for_same(2)
+    def name_of(place: Place) -> str:
+        asked.append(place)
+        return place.name
+
+    one, equal, third = Place("one"), Place("one"), Place("third")
+    assert [name_of(place) for place in (one, equal, equal, one)] == ["one"] * 4
+    assert [id(place) for place in asked] == [id(one), id(equal)]
+    assert name_of(third) == "third"
+    name_of(one)
+    assert len(asked) == 4  # Two are kept.

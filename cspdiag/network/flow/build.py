@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import assert_never, overload
 
+from cspdiag.base.record import kept_for_same
 from cspdiag.network.flow.code import (
     Abandon,
     Call,
@@ -68,27 +68,14 @@ def flow_of(body: CoreAction) -> Code[CoreAction]: ...
 def flow_of(body: Action) -> Code[Action]: ...
 def flow_of(body: Action) -> Code[Action]:
     """The instructions of a composition, which several passes ask for one after the other: nobody changes them."""
-    return _flow_of(_Same(body))
+    return _flow_of(body)
 
 
-class _Same:
-    """A composition that equals only itself: one that has the same steps may have them elsewhere in the text."""
-
-    def __init__(self, body: Action) -> None:
-        self.body = body
-
-    def __hash__(self) -> int:
-        return id(self.body)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.body is other.body
-
-
-@lru_cache(maxsize=8)
-def _flow_of(same: _Same) -> Code[Action]:
+@kept_for_same(8)
+def _flow_of(body: Action) -> Code[Action]:
     builder = _Builder()
-    builder.action(same.body)
-    builder.add(ProcessEnd(span=same.body.span))
+    builder.action(body)
+    builder.add(ProcessEnd(span=body.span))
     return builder.code
 
 

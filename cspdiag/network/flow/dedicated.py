@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from functools import lru_cache
 from typing import Literal, TypeAlias
 
 from cspdiag.base.graphs import reached
+from cspdiag.base.record import kept_for_same
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.external import external_bodies
 from cspdiag.network.ir.network import ConstantEnd, DiscardEnd, Medium, Network, ProcessClass, SubmodelClass
@@ -28,7 +28,7 @@ def place_of(process: str, end: ir.End) -> Place:
     return (process, end.port, end.index) if isinstance(end, ir.PortEnd) else (process, end.channel, None)
 
 
-@lru_cache(maxsize=1)
+@kept_for_same(1)
 def dedicated_places(network: Network) -> frozenset[Place]:
     """The rendezvous channels, without guards, of which one task uses each end, and the ports that are connected to
     none but these. All ports of a class are specialized.

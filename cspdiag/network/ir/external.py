@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import assert_never
 
+from cspdiag.base.record import kept_for_same
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
 from cspdiag.network.ir.network import DriverInstance, Environment, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import all_actions
 
 
+@kept_for_same(32)
 def external_calls(owner: ProcessClass | SubmodelClass | Environment) -> tuple[ExternalCall, ...]:
     """The bodies in other languages in a control law, in the laws inlined into a process, or in an environment: each
     once, in the order of the text.

@@ -7,16 +7,16 @@ observed, so it is abandoned immediately, and its code needs no test before each
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from functools import lru_cache
 
 from cspdiag.base.graphs import reached
+from cspdiag.base.record import kept_for_same
 from cspdiag.codegen.python.fast.storage import rerun_classes
 from cspdiag.network.ir.actions import CatchException, InterruptOn, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import InstanceOf, Network, ProcessClass
 from cspdiag.network.ir.walk import instances_run, parts
 
 
-@lru_cache(maxsize=1)
+@kept_for_same(1)
 def checked_classes(network: Network) -> frozenset[str]:
     """The process classes whose code checks before each communication whether it was cancelled.
 

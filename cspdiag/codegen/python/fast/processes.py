@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 
-from cspdiag.base.record import replaced
+from cspdiag.base.record import kept_for_same, replaced
 from cspdiag.codegen.options import Options
 from cspdiag.codegen.python.fast.actions import Composition
 from cspdiag.codegen.python.fast.cancellation import checked_classes
@@ -87,7 +86,7 @@ def process_module(
     return _ProcessWriter(process, network, names, modules, options).module()
 
 
-@lru_cache(maxsize=1)
+@kept_for_same(1)
 def has_parts_by_hand(network: Network) -> bool:
     """Whether the program has processes or laws in Python that communicate themselves."""
     return any(isinstance(entry, SubmodelClass) or entry.external is not None for entry in network.classes)
@@ -101,14 +100,14 @@ def keeps_state(process: ProcessClass, network: Network) -> bool:
     return process.name in rerun_classes(network) or any(isinstance(part, TunableValue) for part in parts(initial))
 
 
-@lru_cache(maxsize=1)
+@kept_for_same(1)
 def has_levels(network: Network) -> bool:
     """Whether the program has prioritized parallels."""
     bodies = [entry.body for entry in network.classes if isinstance(entry, ProcessClass)]
     return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in parts(body))
 
 
-@lru_cache(maxsize=1)
+@kept_for_same(1)
 def classes_of_elements(network: Network) -> frozenset[str]:
     """The process classes of which an array has instances."""
     found: set[str] = set()

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
+from cspdiag.base.record import kept_for_same
 from cspdiag.model.types import has_unit
 from cspdiag.network.flow.repetition import repeated_classes
 from cspdiag.network.flow.written import read_before_written
@@ -35,7 +34,7 @@ def local_variables(process: ProcessClass, runs_again: bool, probed: bool) -> fr
     return frozenset(variables) - shared - early - watched
 
 
-@lru_cache(maxsize=1)
+@kept_for_same(1)
 def rerun_classes(network: Network) -> frozenset[str]:
     """The process classes of which an instance may run more than once; cached for all classes of a package."""
     return repeated_classes(network)
