@@ -22,7 +22,7 @@ from cspdiag.proofs.properties.cycles import endless_run
 from cspdiag.proofs.transitions import transition_system
 from cspdiag.proofs.verdict import Limits
 from cspdiag.simulate.record.modes import mode_groups
-from tests.support.counting import lines
+from tests.support.counting import calls, lines
 from tests.support.verifying import answers_to
 
 NETWORKS = Path(__file__).parents[1] / "benchmarks" / "networks"
@@ -44,7 +44,11 @@ def program(name: str, count: int, form: str = "array", *, ends: bool = False) -
 
 
 def network(name: str, count: int, form: str = "array") -> CoreNetwork:
-    built = pipeline.build(program(name, count, form), read_source)
+    return network_of(program(name, count, form))
+
+
+def network_of(source: SourceFile) -> CoreNetwork:
+    built = pipeline.build(source, read_source)
     assert built.network is not None
     return built.network
 
@@ -72,6 +76,31 @@ def test_generators_take_the_same_for_each_element(name: str, target: str, level
         return lambda: pipeline.generate(made, read_source, target, level)
 
     assert growth(generating) < MOST_GROWTH
+
+
+@pytest.mark.parametrize(
+    ("name", "target", "most"),
+    [
+        ("ring", "python", 980),
+        ("ring", "c", 1_080),
+        ("pipeline", "python", 1_180),
+        ("workers", "python", 2_500),
+        ("workers", "c", 2_560),
+        ("star", "python", 5_400),
+    ],
+)
+def test_an_element_takes_few_calls_from_the_text_to_the_code(name: str, target: str, most: int) -> None:
+    """An element of a ring is an instance with a channel, of workers two with two, of a star one with two and a branch
+    of an alternative.
+    """
+
+    def compiling(count: int) -> Callable[[], object]:
+        source = program(name, count)
+        return lambda: pipeline.generate(network_of(source), read_source, target, 1)
+
+    compiling(4)()
+    few, many = 220, 260  # too many to be fused
+    assert (calls(compiling(many)) - calls(compiling(few))) / (many - few) < most
 
 
 def test_no_variable_is_shared_with_nested_functions_for_each_line() -> None:

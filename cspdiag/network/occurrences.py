@@ -130,11 +130,13 @@ class Occurrences:
         self._examine_variables(occurrence)
         for name, instance in placed.shape.instances.items():
             tunable = self._tunable(occurrence, instance)
-            values = {
-                node: value
-                for node, value in self._values(occurrence, instance).items()
-                if not (isinstance(node, ast.Parameter) and node.name.text in tunable)
-            }
+            values = self._values(occurrence, instance)
+            if tunable:
+                values = {
+                    node: value
+                    for node, value in values.items()
+                    if not (isinstance(node, ast.Parameter) and node.name.text in tunable)
+                }
             self._examine_defaults(instance, values)
             if instance.shape.is_submodel:
                 occurrence.children[name] = self._law(instance, values, placed.samples.get(name), tunable)
@@ -155,9 +157,9 @@ class Occurrences:
 
     def _examine_defaults(self, instance: InstanceShape, values: dict[ast.Node, Value]) -> None:
         """Reports defaults of unconnected inputs that overflow or are not defined."""
-        for port, element, _ in instance.shape.port_elements():
+        for element in instance.shape.defaults:
             if isinstance(instance.attachments[element].target, Default):
-                default = port.symbol.declaration.default
+                default = instance.shape.ports[element[0]].symbol.declaration.default
                 assert default is not None
                 evaluate(self.program, default, values, self.report)
 

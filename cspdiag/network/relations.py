@@ -244,12 +244,13 @@ class _Walk:
         uses: UsesByKey = {run_key(instance.name): Uses(writer=Access(span, span, instance.name))}
         attached: dict[Key, list[Key]] = {}
         ends: dict[Key, Span] = {}
+        keys = instance.shape.element_keys
         for element, attachment in instance.attachments.items():
             key = attached_key(attachment)
             if key is not None:
-                attached.setdefault(key, []).append(element_name(*element))
+                attached.setdefault(key, []).append(keys[element])
                 ends.setdefault(key, attachment.span)
-        groups = tuple(tuple(ports) for ports in attached.values() if len(ports) > 1)
+        groups = tuple([tuple(ports) for ports in attached.values() if len(ports) > 1])
         inside = self.relations.of(instance.shape, groups)
         for key, ports in attached.items():
             use = inside.get(ports[0])

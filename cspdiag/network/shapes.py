@@ -7,7 +7,7 @@ instances.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TypeAlias
 
@@ -202,6 +202,10 @@ class Shape:
         overrides: Overrides,
     ) -> None:
         self.definition = definition
+        self.is_submodel = isinstance(definition, ast.SubmodelDefinition)
+        """Whether this is a single-shot control law."""
+        self.is_external = definition.external is not None
+        """Whether the body is in another language."""
         self.values = values
         self.overrides = overrides
         self.ports: dict[str, PortShape] = {}
@@ -228,32 +232,34 @@ class Shape:
         assert self.body is not None
         return flow_of(self.body)
 
-    @property
-    def is_submodel(self) -> bool:
-        """Whether this is a single-shot control law."""
-        return isinstance(self.definition, ast.SubmodelDefinition)
-
-    @property
-    def is_external(self) -> bool:
-        """Whether the body is in another language."""
-        return self.definition.external is not None
-
     def port_or_channel_type(self, key: Key) -> Type:
         """The type of the values of a port or channel of this process."""
         channel = self.channels.get(key)
         return channel.type if channel is not None else self.ports[key.partition("[")[0]].type
 
-    def port_elements(self) -> Iterator[tuple[PortShape, PortElement, Key]]:
-        """Every port or element of an array of ports, with its key."""
-        for port in self.ports.values():
-            for element in port.elements:
-                yield port, element, element_name(*element)
+    def port_elements(self) -> Sequence[tuple[PortShape, PortElement, Key]]:
+        """Every port or element of an array of ports, with its key; the ports do not change any more."""
+        return self._port_elements
+
+    @cached_property
+    def _port_elements(self) -> Sequence[tuple[PortShape, PortElement, Key]]:
+        return [(port, element, element_name(*element)) for port in self.ports.values() for element in port.elements]
+
+    @cached_property
+    def element_keys(self) -> Mapping[PortElement, Key]:
+        """The keys of ports and elements of arrays of ports."""
+        return {element: key for _, element, key in self.port_elements()}
+
+    @cached_property
+    def defaults(self) -> Sequence[PortElement]:
+        """The inputs that have a default."""
+        return [element for port, element, _ in self.port_elements() if port.symbol.declaration.default is not None]
 
 
-def _key_of(target: AttachmentShape) -> Key | None:
-    return target.key if isinstance(target, OwnPort | OwnChannel) else None
+_OWN = (OwnPort, OwnChannel)
 
 
 def attached_key(attached: Attached) -> Key | None:
     """The port or channel of the enclosing process that a port is attached to; None for a default or ``_``."""
-    return _key_of(attached.target)
+    target = attached.target
+    return target.key if isinstance(target, _OWN) else None

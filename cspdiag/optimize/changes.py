@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from operator import is_
 from typing import TypeVar, assert_never
 
 from cspdiag.base.record import field_names, is_record, replaced
@@ -92,12 +93,13 @@ def with_parts(item: T, change: Callable[[object], object | None]) -> T:
 
 def changed(item: T, **fields: object) -> T:
     """A record with these fields; the same object if they are already what it has."""
-    if all(getattr(item, name) is value for name, value in fields.items()):
-        return item
-    return replaced(item, **fields)
+    for name, value in fields.items():
+        if getattr(item, name) is not value:
+            return replaced(item, **fields)
+    return item
 
 
 def mapped(items: tuple[T, ...], change: Callable[[T], T]) -> tuple[T, ...]:
     """The items changed; the same tuple if none is."""
     results = tuple(map(change, items))
-    return items if all(old is new for old, new in zip(items, results, strict=True)) else results
+    return items if all(map(is_, items, results)) else results

@@ -7,7 +7,7 @@ Only process classes are changed; control laws and bodies in other languages kee
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, TypeAlias, TypeGuard
+from typing import Any, TypeAlias, TypeGuard, TypeVar
 
 from cspdiag.base.record import replaced
 from cspdiag.network.ir import actions as ir
@@ -22,11 +22,13 @@ from cspdiag.network.ir.expressions import (
     Value,
     VariableValue,
 )
-from cspdiag.network.ir.network import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import ConstantEnd, InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import channels_written, parts
 from cspdiag.optimize.changes import changed, in_sequence
 from cspdiag.optimize.dead.broadcasts import ends_at, possible_broadcasts
 from cspdiag.optimize.folding import folded, is_literal
+
+T = TypeVar("T")
 
 Literals: TypeAlias = "dict[str, LiteralValue]"
 Known: TypeAlias = "LiteralValue | ParameterValue | SignalValue"
@@ -102,13 +104,23 @@ def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> Proce
             constants=tuple(rewritten(item, fold) for item in entry.constants if item.name not in constants),
             states=tuple(rewritten(item, fold) for item in entry.states),
             channels=tuple(rewritten(item, fold) for item in entry.channels),
-            instances=tuple(rewritten(item, fold) for item in entry.instances),
+            instances=tuple([_with_known_values(instance, fold) for instance in entry.instances]),
             ports=tuple(rewritten(item, fold) for item in entry.ports),
             body=None if entry.body is None else rewritten(entry.body, _folding_and_deciding(fold, broadcasts)),
         )
         if result == entry:
             return result
         entry = result
+
+
+def _with_known_values(instance: InstanceOf, fold: Callable[[Any], Any]) -> InstanceOf:
+    """The instance with its arguments and the defaults of its inputs folded."""
+    has_defaults = any(isinstance(connection.attachment, ConstantEnd) for connection in instance.connections)
+    return changed(
+        instance,
+        arguments=rewritten(instance.arguments, fold),
+        connections=rewritten(instance.connections, fold) if has_defaults else instance.connections,
+    )
 
 
 def _known_signals(entry: ProcessClass) -> dict[str, Known]:
@@ -256,17 +268,16 @@ def _without_parameters(
         entry,
         parameters=tuple(parameter for parameter in entry.parameters if parameter.name not in own),
         instances=tuple(
-            changed(
-                instance,
-                arguments=tuple(
-                    item for item in instance.arguments if item[0] not in removed.get(instance.class_name, ())
-                ),
-            )
+            changed(instance, arguments=_left(instance.arguments, removed.get(instance.class_name)))
             for instance in entry.instances
         ),
     )
 
 
 def _without_arguments(instance: Instantiation, removed: Mapping[str, frozenset[str]]) -> Instantiation:
-    names = removed.get(instance.class_name, frozenset())
-    return replaced(instance, arguments=tuple(item for item in instance.arguments if item[0] not in names))
+    return changed(instance, arguments=_left(instance.arguments, removed.get(instance.class_name)))
+
+
+def _left(arguments: tuple[tuple[str, T], ...], removed: frozenset[str] | None) -> tuple[tuple[str, T], ...]:
+    """The arguments for parameters that are not removed."""
+    return tuple([item for item in arguments if item[0] not in removed]) if removed else arguments

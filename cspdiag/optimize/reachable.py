@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from cspdiag.base.record import replaced
 from cspdiag.network.ir.network import Instantiation, Network, ProcessClass, SubmodelClass
 from cspdiag.optimize.changes import changed
 
@@ -32,4 +33,10 @@ def _instances(network: Network, classes: Mapping[str, ProcessClass | SubmodelCl
                 inner = f"{path}.{instance.name}"
                 class_of[inner] = instance.class_name
                 pending.append(inner)
-    return tuple(changed(i, class_name=class_of[i.path]) for i in network.instances if i.path in class_of)
+    return tuple(
+        [
+            item if item.class_name == class_of[item.path] else replaced(item, class_name=class_of[item.path])
+            for item in network.instances
+            if item.path in class_of
+        ]
+    )

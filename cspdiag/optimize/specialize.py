@@ -148,8 +148,10 @@ class _Specialization:
         medium_of: dict[PortOrChannel, Medium] = {}
         for port, elements in zip(entry.ports, media, strict=True):
             medium_of.update(zip(_elements(port), elements, strict=True))
+        shared: dict[Medium, Medium] = {}
         for channel in channels:
-            medium_of[channel.name] = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
+            medium = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
+            medium_of[channel.name] = shared.setdefault(medium, medium)
         clone = replaced(
             entry,
             name=self.names[entry.name, media],
@@ -164,7 +166,7 @@ class _Specialization:
         if isinstance(inner, SubmodelClass):
             return instance
         attached = {(c.port, c.index): _attached(c.attachment, medium_of) for c in instance.connections}
-        media = tuple(tuple(attached[place] for place in _elements(port)) for port in inner.ports)
+        media = tuple([tuple([attached[place] for place in _elements(port)]) for port in inner.ports])
         return changed(instance, class_name=self._name(inner, media))
 
 

@@ -75,6 +75,8 @@ def check_assignment(
     code = shape.flow
     before = surely_written(code, process.written_by, endless=process.endless, completes=True)
     _check_reached(code, before, agreement)
+    if not inputs and not process.bits:
+        return Flow(reads=frozenset(), ends=before[-1] is not None, process=process)
     found: set[Key] = set()
     for instruction, written in zip(code.instructions, before, strict=True):
         if written is None:
@@ -128,6 +130,8 @@ class _Process:
         """The bits that an instruction writes. An element of an array counts as the whole array, because indexes are
         unknown.
         """
+        if not self.bits:
+            return 0
         if isinstance(instruction, Call):
             keys = self._written_by_instance(self.instances[instruction.step.instance])
         else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
@@ -90,12 +90,44 @@ class _Connector:
                 case ast.Connection():
                     self._relationship(item, values)
                 case ast.RepeatedDeclarations():
-                    for inner in self._repeated(item, values):
-                        self.relate(item.declarations, inner)
+                    self._relate_repeated(item, values)
                 case ast.Instance() | ast.Variable() | ast.Channel():
                     pass
                 case _:
                     assert_never(item)
+
+    def _relate_repeated(self, item: ast.RepeatedDeclarations, values: Values) -> None:
+        repetitions = self._repeated(item, values)
+        outermost = not any(isinstance(key, ast.Replicator) for key in values)
+        known: dict[ast.Declaration, list[Sequence[Endpoint]] | None] = {
+            inner: self._in_all_repetitions(inner, item.replicator, len(repetitions))
+            for inner in item.declarations
+            if outermost and isinstance(inner, ast.Connection)
+        }
+        for index, inside in enumerate(repetitions):
+            for declaration in item.declarations:
+                ends = known.get(declaration)
+                if ends is None:
+                    self.relate((declaration,), inside)
+                else:
+                    assert isinstance(declaration, ast.Connection)
+                    self._connect(declaration, [each[index] for each in ends], inside, None)
+
+    def _in_all_repetitions(
+        self, item: ast.Connection, replicator: ast.Replicator, count: int
+    ) -> list[Sequence[Endpoint]] | None:
+        """The ends of a relationship in each repetition, by reference, if each reference means a port of an instance;
+        None if they have to be found one by one.
+        """
+        found: list[Sequence[Endpoint]] = []
+        for reference in (*item.sources, *item.sinks):
+            if isinstance(reference, ast.Discard):
+                return None
+            ends = self.places.in_all_repetitions(reference, replicator, count)
+            if ends is None:
+                return None
+            found.append(ends)
+        return found
 
     def complete(self) -> None:
         """Gives unconnected inputs their defaults, and reports all other unconnected ports."""
@@ -201,11 +233,15 @@ class _Connector:
                     assert_never(end)
 
     def _connect(self, item: ast.Connection, ends: list[Endpoint], values: Values, index: int | None) -> None:
-        sorted_ends = _Ends(
-            ports={end.key: end for end in ends if isinstance(end, ProcessPort)},
-            channels={end.channel.name: end for end in ends if isinstance(end, ChannelPlace)},
-            instances=[end for end in ends if isinstance(end, InstancePort)],
-        )
+        instances = [end for end in ends if isinstance(end, InstancePort)]
+        if len(instances) == len(ends):
+            sorted_ends = _Ends(ports={}, channels={}, instances=instances)
+        else:
+            sorted_ends = _Ends(
+                ports={end.key: end for end in ends if isinstance(end, ProcessPort)},
+                channels={end.channel.name: end for end in ends if isinstance(end, ChannelPlace)},
+                instances=instances,
+            )
         target = self._target(item, sorted_ends, values, index)
         for end in sorted_ends.instances:
             self._attach(end.instance, end.element, target, end.span)
@@ -281,10 +317,11 @@ class _Connector:
         self, instance: InstanceShape, element: tuple[str, int | None], target: AttachmentShape, span: Span
     ) -> None:
         before = instance.attachments.get(element)
-        if isinstance(target, OwnPort | OwnChannel):
-            port, known = f"{instance.name}.{element[0]}", instance.shape.ports[element[0]].type
+        if isinstance(target, (OwnPort, OwnChannel)):
+            known = instance.shape.ports[element[0]].type
             other = self.shape.port_or_channel_type(target.key)
             if known is not other:
+                port = f"{instance.name}.{element[0]}"
                 check_sizes(known, other, span, port, target.key, self.report)
         if before is None:
             instance.attachments[element] = Attached(target=target, span=span)

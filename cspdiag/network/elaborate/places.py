@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.base.record import node
 from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Value
 from cspdiag.network.diagnostics.arrays import IndexMissing, IndexOutOfRange
+from cspdiag.network.elaborate.fewer.columns import Repetitions
 from cspdiag.network.elaborate.sizes import Sizes
 from cspdiag.network.shapes import ChannelShape, InstanceShape, Key, PortElement, PortShape, Shape, element_name
 from cspdiag.syntax import ast
@@ -116,6 +117,41 @@ class Places:
                 assert_never(symbol)
         if found is None:
             self._excuse(reference)
+        return found
+
+    def in_all_repetitions(
+        self, reference: ast.Reference, replicator: ast.Replicator, count: int
+    ) -> Sequence[InstancePort] | None:
+        """The port of an instance that a reference means in each repetition of an outermost ``for``; None if it means
+        something else, or if it may be wrong in one of them.
+        """
+        symbol, member = self.program.bindings.get(reference), self.program.members.get(reference)
+        if self.program.poisoned or not isinstance(symbol, ast.Instance):
+            return None
+        if not isinstance(member, PortSymbol) or self.loops.get(symbol):
+            return None
+        given, inside = reference.indexes, reference.member_indexes
+        if len(given) != (symbol.size is not None) or len(inside) > 1:
+            return None
+        repetitions = Repetitions(self.program, {replicator: count})
+        columns = [repetitions.column(index) for index in (*given, *inside)]
+        instances = self.shape.instances
+        name = symbol.name.text
+        chosen = [instances.get(name)] * count
+        if given:
+            if columns[0] is None:
+                return None
+            chosen = [instances.get(f"{name}[{index}]") for index in columns[0]]
+        within = columns[-1] if inside else None
+        found: list[InstancePort] = []
+        for position, instance in enumerate(chosen):
+            port = None if instance is None else instance.shape.ports.get(member.name)
+            if instance is None or port is None or (port.size is None) == bool(inside):
+                return None
+            element = None if within is None else within[position]
+            if port.size is not None and not (element is not None and 0 <= element < port.size):
+                return None
+            found.append(InstancePort(span=reference.span, instance=instance, port=port, element=(port.name, element)))
         return found
 
     def single(self, reference: ast.Reference, values: Values) -> ProcessPort | ChannelPlace | None:

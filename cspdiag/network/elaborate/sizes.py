@@ -8,7 +8,7 @@ from cspdiag.base import Report
 from cspdiag.base.record import replaced
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program, Value
-from cspdiag.model.types import ArrayType, Type
+from cspdiag.model.types import ArrayType, IntType, Type
 from cspdiag.network.diagnostics.arrays import SizeNotPositive, TooManyInstances
 from cspdiag.syntax import ast
 
@@ -34,8 +34,33 @@ class Sizes:
             if isinstance(symbol, ast.Replicator):
                 found = values.get(symbol)
                 return found if isinstance(found, int) else None
+        if isinstance(expression, ast.Binary):
+            neighbour = self._neighbour(expression, values)
+            if neighbour is not None:
+                return neighbour
         value = evaluate(self.program, expression, values, self.report)
         return value if isinstance(value, int) and not isinstance(value, bool) else None
+
+    def _neighbour(self, expression: ast.Binary, values: Values) -> int | None:
+        """The value of an index such as ``i + 1``, as ``evaluate`` computes it; None for any other expression."""
+        index, number = expression.left, expression.right
+        if not (isinstance(index, ast.Name) and isinstance(number, ast.Number) and isinstance(number.value, int)):
+            return None
+        symbol = self.program.bindings.get(index)
+        found = values.get(symbol) if isinstance(symbol, ast.Replicator) else None
+        if not isinstance(found, int) or not 0 <= found <= LARGEST_PROCESS or number.value > LARGEST_PROCESS:
+            return None
+        if not self.program.poisoned.isdisjoint((expression, index, number)):
+            return None
+        match expression.operator:
+            case "+":
+                value = found + number.value
+            case "-":
+                value = found - number.value
+            case _:  # Any other operator may fail.
+                return None
+        type_ = self.program.types.get(expression)
+        return value if isinstance(type_, IntType) and type_.minimum <= value <= type_.maximum else None
 
     def size(
         self, expression: ast.Expression, what: str, values: Values, *, least: int = 1, times: int = 1

@@ -9,7 +9,7 @@ from cspdiag.base.span import Span
 from cspdiag.model.program import Program
 from cspdiag.model.types import UNKNOWN, EnumType, StructType
 from cspdiag.network.ir.expressions import LiteralValue
-from cspdiag.network.ir.network import NamedConstant
+from cspdiag.network.ir.network import ConstantEnd, InstanceOf, NamedConstant
 from cspdiag.syntax import ast
 
 
@@ -73,6 +73,12 @@ class Vocabulary:
             item = pending.pop()
             if isinstance(item, tuple):
                 pending.extend(reversed(item))
+                continue
+            if isinstance(item, InstanceOf):
+                # Of what its ports are attached to only a default has a value, and a network has many instances.
+                attached = (connection.attachment for connection in reversed(item.connections))
+                pending += [end for end in attached if isinstance(end, ConstantEnd)]
+                pending.append(item.arguments)
                 continue
             names = inside.get(type(item))
             if names is None:

@@ -47,6 +47,8 @@ def read_before_written(body: Action, variables: Collection[str], written: Colle
     Assigning an element requires that the array has a value. A part that may be abandoned counts as writing nothing.
     """
     bits = {name: 1 << number for number, name in enumerate(variables)}
+    if not bits:
+        return frozenset()
 
     def gains(instruction: Instruction) -> int:
         names = (_name(place) for place in writes(instruction) if not (isinstance(place, Target) and place.indexes))

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from operator import is_
 from typing import Any, TypeVar
 
-from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record, replaced
+from cspdiag.base.record import annotations_of, field_names, is_record, replaced
+from cspdiag.network.ir.walk import may_have_records
 
 T = TypeVar("T")
 
@@ -48,4 +49,4 @@ def _names_inside(item: object) -> tuple[str, ...] | None:
     if not is_record(item):
         return None
     kinds = annotations_of(type(item))
-    return tuple(name for name in field_names(item) if name not in LEFT_ALONE and kinds[name] not in ATOMS)
+    return tuple(name for name in field_names(item) if name not in LEFT_ALONE and may_have_records(kinds[name]))

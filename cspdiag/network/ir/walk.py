@@ -12,6 +12,23 @@ from cspdiag.network.ir.expressions import Expression, PresentTime, TunableValue
 T = TypeVar("T")
 
 
+_WITHOUT_RECORDS = ATOMS | {
+    "BinaryOperator",
+    "ChannelKind",
+    "Direction",
+    "Function",
+    "MediumKind",
+    "Value",
+    "Value | None",
+    "tuple[int, int] | None",
+}
+
+
+def may_have_records(annotation: str) -> bool:
+    """Whether a field with this annotation may have records in it, by which it has to be searched."""
+    return annotation not in _WITHOUT_RECORDS and not annotation.startswith(("Literal[", "ClassVar["))
+
+
 def parts(item: object) -> Iterator[object]:
     """Every record in a record, or in a tuple or list of records, itself first, in the order of the text; spans and
     types are left out.
@@ -29,7 +46,7 @@ def parts(item: object) -> Iterator[object]:
                 inner = getattr(part, name)
                 if inner is not None:
                     pending.append(inner)
-        elif isinstance(part, tuple | list):
+        elif isinstance(part, (tuple, list)):  # A union would be made anew each time.
             pending.extend(reversed(part))
 
 
@@ -37,7 +54,7 @@ def inner_parts(item: object) -> Sequence[object]:
     """What is directly inside a record or a tuple, the last first, with tuples as they are; spans and types are left
     out.
     """
-    if isinstance(item, tuple | list):
+    if isinstance(item, (tuple, list)):
         return item[::-1]
     kind = type(item)
     if kind not in _INSIDE:
@@ -69,7 +86,7 @@ def _names_inside(part: object) -> tuple[str, ...] | None:
     if not is_record(part):
         return None
     kinds = annotations_of(type(part))
-    names = (name for name in field_names(part) if name not in ("span", "type") and kinds[name] not in ATOMS)
+    names = (name for name in field_names(part) if name not in ("span", "type") and may_have_records(kinds[name]))
     return tuple(names)[::-1]
 
 

@@ -233,8 +233,10 @@ class _Sketch:
     def _arguments(self, instance: InstanceShape) -> Arguments:
         """The arguments in terms of the parameters of the enclosing class; a default may use earlier parameters."""
         definition = instance.shape.definition
-        given = dict(arguments_of(definition.parameters, instance.declaration.arguments))
         known: Arguments = {}
+        if not definition.parameters:
+            return known
+        given = dict(arguments_of(definition.parameters, instance.declaration.arguments))
         outside = LoweringContext(values=instance.replicators)
         inside = self._inside(known)
         for parameter in definition.parameters:

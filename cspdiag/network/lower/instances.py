@@ -9,7 +9,7 @@ from cspdiag.network.infer.own_uses import own_uses
 from cspdiag.network.ir.network import ChannelKind, Direction, ExternalPort, Instantiation, Net
 from cspdiag.network.lower.classes import Classes
 from cspdiag.network.occurrences import LawOccurrence, Occurrence
-from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
+from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
 
 
 class _OpenNet:
@@ -84,11 +84,7 @@ class _Walk:
             if isinstance(occurrence, Occurrence):
                 self._own_nets(path, occurrence, attached)
                 inside = [
-                    (
-                        f"{path}.{name}",
-                        occurrence.children[name],
-                        self._inner_nets(f"{path}.{name}", instance, attached),
-                    )
+                    (inner := f"{path}.{name}", occurrence.children[name], self._inner_nets(inner, instance, attached))
                     for name, instance in occurrence.placed.shape.instances.items()
                 ]
                 pending.extend(reversed(inside))
@@ -133,7 +129,7 @@ class _Walk:
             net = attached.get(outer) if outer is not None else None
             if net is None:
                 continue
-            key = element_name(*element)
+            key = instance.shape.element_keys[element]
             nets[key] = net
             if leaf:
                 is_input = instance.shape.ports[element[0]].direction == "in"

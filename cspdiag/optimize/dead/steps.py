@@ -149,10 +149,13 @@ def _is_waited_for(entry: Class) -> bool:
 def _without_unused_parts(entry: ProcessClass, classes: Mapping[str, Class], keep_ports: bool) -> ProcessClass:
     """The class without ports, channels, parameters and entries of the creation order that are not mentioned in it."""
 
+    known: dict[str, tuple[set[str], set[str]]] = {}
+
     def connected(instance: Any) -> Any:
         inner = classes[instance.class_name]
-        ports = {port.name for port in inner.ports}
-        names = {parameter.name for parameter in inner.parameters}
+        if inner.name not in known:
+            known[inner.name] = ({port.name for port in inner.ports}, {item.name for item in inner.parameters})
+        ports, names = known[inner.name]
         return changed(
             instance,
             connections=_kept(instance.connections, lambda connection: connection.port in ports),
@@ -186,7 +189,9 @@ class _Mentioned:
 
 def _mentioned(entry: ProcessClass) -> _Mentioned:
     found = _Mentioned()
-    for part in parts((entry.body, entry.constants, entry.states, entry.channels, entry.instances)):
+    arguments = [instance.arguments for instance in entry.instances if instance.arguments]
+    attachments = [connection.attachment for instance in entry.instances for connection in instance.connections]
+    for part in parts((entry.body, entry.constants, entry.states, entry.channels, arguments, attachments)):
         match part:
             case ir.PortEnd():
                 found.ports.add(part.port)

@@ -6,7 +6,7 @@ fault is an effect. A continuous state may always become infinite, which is a fa
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, TypeAlias
 
 from cspdiag.base.record import replaced
@@ -85,14 +85,27 @@ class _Values:
                 self._note_law(part)
             elif isinstance(part, AssignValue):
                 self._needs.setdefault((VariableValue, part.target.channel), []).append(part)
-        pending = [*self._effects((entry.body, entry.channels, entry.instances))]
+        pending = [*self._effects((entry.body, entry.channels))]
+        for instance in entry.instances:
+            pending += self._effects(instance.arguments)
+            for connection in instance.connections:
+                attachment = connection.attachment
+                if isinstance(attachment, ChannelEnd):
+                    pending += self._used(VariableValue, attachment.channel)
+                else:
+                    pending += self._effects(attachment)
         pending += [item.value for item in entry.constants if self.may_fault(item.value)]
         pending += [item.initial for item in entry.states if self.may_fault(item.initial)]
         while pending:
-            for name in _names(pending.pop()):
-                if name not in self.used:
-                    self.used.add(name)
-                    pending.extend(self._needs.get(name, ()))
+            for kind, name in _names(pending.pop()):
+                pending += self._used(kind, name)
+
+    def _used(self, kind: type[SignalValue] | type[VariableValue], name: str) -> Sequence[Any]:
+        """Notes that a signal or a variable is used; what its value depends on, if that is new."""
+        if (kind, name) in self.used:
+            return ()
+        self.used.add((kind, name))
+        return self._needs.get((kind, name), ())
 
     def _need(self, name: str, value: Any) -> None:
         self._needs.setdefault((SignalValue, name), []).append(value)
