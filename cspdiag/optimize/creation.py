@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from cspdiag.network.ir.actions import ChannelEnd, Choice, End, InputEvent, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir.network import CreatedChoice, CreatedInstance, MediumKind, ProcessClass, SubmodelClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import all_actions, parts
 
 MEDIA_WITH_READER_STATE: frozenset[MediumKind] = frozenset({"sampled", "event", "broadcast"})
 """The media that keep state for each reading end."""
@@ -21,7 +21,7 @@ def creation_order(
     at the inputs of the instances of ``submodels``. The elements of an array of ports stay together.
     """
     ends = _reading_ends(entry, submodels)
-    choices = [part.name for part in parts(entry.body) if isinstance(part, Choice)]
+    choices = [part.name for part in all_actions(entry.body) if isinstance(part, Choice)]
     return (
         *_by_port([end for end in ends if isinstance(end, PortEnd)]),
         *(end for end in ends if isinstance(end, ChannelEnd)),

@@ -23,7 +23,7 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
     SubmodelState,
 )
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import all_actions
 from cspdiag.optimize.changes import in_sequence, rebuilt
 from cspdiag.optimize.flatten.naming import parameter_constants, renamed, renamed_equation
 from cspdiag.optimize.reachable import reachable
@@ -46,7 +46,7 @@ def inline_laws(network: Network) -> Network:
         isinstance(part, ir.InterruptOn | ir.CatchException)
         for entry in network.classes
         if isinstance(entry, ProcessClass)
-        for part in parts(entry.body)
+        for part in all_actions(entry.body)
     ) or any(isinstance(entry, ProcessClass) and entry.external for entry in network.classes)
     classes = [
         _Inlining(entry, laws, seen).result() if isinstance(entry, ProcessClass) else entry for entry in network.classes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import RaiseException
 from cspdiag.network.ir.network import Network, ProcessClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import all_actions
 
 
 def never_ends(network: Network) -> bool:
@@ -15,7 +15,7 @@ def never_ends(network: Network) -> bool:
     """
     processes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
     # A `raise` may end parts that would otherwise run forever.
-    if any(isinstance(part, RaiseException) for part in parts([process.body for process in processes])):
+    if any(isinstance(part, RaiseException) for process in processes for part in all_actions(process.body)):
         return False
     endless: set[str] = set()
     for process in processes:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from cspdiag.network.flow.written import read_before_written
 from cspdiag.network.ir.actions import CatchException, ChannelEnd, InterruptOn, PortEnd
 from cspdiag.network.ir.network import Network, ProcessClass, channels_of
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import all_actions
 
 
 def may_be_unwritten(network: Network) -> dict[str, frozenset[str]]:
@@ -17,7 +17,9 @@ def may_be_unwritten(network: Network) -> dict[str, frozenset[str]]:
     value to which an instance is attached.
     """
     classes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
-    abandoned = any(isinstance(part, CatchException | InterruptOn) for part in parts([entry.body for entry in classes]))
+    abandoned = any(
+        isinstance(part, (CatchException, InterruptOn)) for entry in classes for part in all_actions(entry.body)
+    )
     if not abandoned and not any(entry.external for entry in classes):
         return {entry.name: frozenset() for entry in classes}
     return {entry.name: _in_class(entry) for entry in classes}

@@ -91,12 +91,12 @@ def _names_inside(part: object) -> tuple[str, ...] | None:
 
 
 @overload
-def all_actions(action: ir.CoreAction) -> Iterator[ir.CoreAction]: ...
+def all_actions(action: ir.CoreAction | None) -> Iterator[ir.CoreAction]: ...
 @overload
-def all_actions(action: ir.Action) -> Iterator[ir.Action]: ...
-def all_actions(action: ir.Action) -> Iterator[ir.Action]:
-    """The action and all actions inside it, in text order."""
-    pending = [action]
+def all_actions(action: ir.Action | None) -> Iterator[ir.Action]: ...
+def all_actions(action: ir.Action | None) -> Iterator[ir.Action]:
+    """The action and all actions inside it, in text order: ``parts`` without what is no action. None has none."""
+    pending = [] if action is None else [action]
     while pending:
         present = pending.pop()
         yield present
@@ -136,7 +136,7 @@ def actions_inside(action: ir.Action) -> tuple[ir.Action, ...]:
 
 def instances_run(action: ir.Action) -> list[str]:
     """The instances that an action runs, in text order."""
-    return [part.instance for part in parts(action) if isinstance(part, ir.RunInstance)]
+    return [part.instance for part in all_actions(action) if isinstance(part, ir.RunInstance)]
 
 
 def may_change(expression: Expression) -> bool:

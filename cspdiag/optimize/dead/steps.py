@@ -29,7 +29,7 @@ from cspdiag.network.ir.network import (
     ProcessClass,
     SubmodelClass,
 )
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import all_actions, parts
 from cspdiag.optimize.changes import changed, in_sequence, mapped
 from cspdiag.optimize.dead.broadcasts import ends_at, possible_broadcasts
 from cspdiag.optimize.dead.values import without_dead_values
@@ -136,7 +136,7 @@ def _from_outside(instruction: Instruction) -> Exceptions:
 
 
 def _without_unused_instances(entry: ProcessClass, classes: Mapping[str, Class]) -> ProcessClass:
-    run = {part.instance for part in parts(entry.body) if isinstance(part, ir.RunInstance | ir.ResetInstance)}
+    run = {part.instance for part in all_actions(entry.body) if isinstance(part, (ir.RunInstance, ir.ResetInstance))}
     kept = [item for item in entry.instances if item.name in run or _is_waited_for(classes[item.class_name])]
     return entry if len(kept) == len(entry.instances) else replaced(entry, instances=tuple(kept))
 

@@ -11,7 +11,7 @@ from itertools import islice
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import Action, End, Group, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import CreatedChoice, CreatedInstance, Network, ProcessClass, SubmodelClass
-from cspdiag.network.ir.walk import instances_run, parts
+from cspdiag.network.ir.walk import all_actions, instances_run, parts
 from cspdiag.optimize.changes import with_inner_actions
 from cspdiag.optimize.flatten.inlined import EndNumbers, InlinedProcess
 from cspdiag.optimize.reachable import reachable
@@ -128,7 +128,7 @@ def _run_in_sequence(body: Action) -> set[str]:
     places = Counter(instances_run(body))
     branches = {
         branch.instance
-        for part in parts(body)
+        for part in all_actions(body)
         if isinstance(part, ParallelSteps)
         for branch in map(_without_labels, part.steps)
         if isinstance(branch, RunInstance)

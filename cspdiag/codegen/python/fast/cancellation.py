@@ -13,7 +13,7 @@ from cspdiag.base.record import kept_for_same
 from cspdiag.codegen.python.fast.storage import rerun_classes
 from cspdiag.network.ir.actions import CatchException, InterruptOn, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import InstanceOf, Network, ProcessClass
-from cspdiag.network.ir.walk import instances_run, parts
+from cspdiag.network.ir.walk import all_actions, instances_run
 
 
 @kept_for_same(1)
@@ -28,12 +28,12 @@ def checked_classes(network: Network) -> frozenset[str]:
     again = rerun_classes(network)
     found: set[str] = set()
     for process in classes.values():
-        for part in parts(process.body):
+        for part in all_actions(process.body):
             if isinstance(part, InterruptOn):
                 found.add(process.name)
                 found |= _below(process, instances_run(part.body), classes)
             elif isinstance(part, CatchException):
-                branches = [item for item in parts(part.body) if isinstance(item, ParallelSteps)]
+                branches = [item for item in all_actions(part.body) if isinstance(item, ParallelSteps)]
                 if any(not isinstance(s, RunInstance | ParallelSteps) for item in branches for s in item.steps):
                     found.add(process.name)
                 run = _below(process, instances_run(part.body), classes)

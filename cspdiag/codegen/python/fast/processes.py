@@ -74,7 +74,7 @@ from cspdiag.network.ir.network import (
     ProcessClass,
     SubmodelClass,
 )
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import all_actions, parts
 
 _EXTERNAL_CLASSES = {"constant": "Constant", "sampled": "SampledInput", "latched": "SampledOutput"}
 
@@ -104,7 +104,7 @@ def keeps_state(process: ProcessClass, network: Network) -> bool:
 def has_levels(network: Network) -> bool:
     """Whether the program has prioritized parallels."""
     bodies = [entry.body for entry in network.classes if isinstance(entry, ProcessClass)]
-    return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in parts(body))
+    return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in all_actions(body))
 
 
 @kept_for_same(1)

@@ -12,7 +12,7 @@ from cspdiag.model.types import Type
 from cspdiag.network.flow.dedicated import dedicated_places, place_of
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ReadInputs, RunLaw, WriteOutputs
 from cspdiag.network.ir.network import Medium, Network, ProcessClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import all_actions
 
 _HELPERS = (
     "me",
@@ -69,7 +69,7 @@ class Spelling:
         """Attributes of inlined processes and of laws, by instance."""
         self.scopes: list[ProcessScope] = []
         self.laws: dict[str, ReadInputs | RunLaw | WriteOutputs] = {}
-        for part in parts(self.process.body):
+        for part in all_actions(self.process.body):
             if isinstance(part, ProcessScope) and part.instance not in self.parts:
                 self.scopes.append(part)
                 self.parts[part.instance] = names.fresh(f"{part.instance}_process")
