@@ -97,7 +97,18 @@ def alike_runs(elements: Sequence[T], variable: str) -> Iterator[tuple[int, int,
     """The elements, where those that follow one another and differ only in numbers that count are one, in which
     ``variable`` is the position: the position of the first, their number, and the element that they share.
     """
-    return _runs([outline(element) for element in elements], elements.__getitem__, variable)
+    return _runs(_outlines(elements), elements.__getitem__, variable)
+
+
+def _outlines(elements: Iterable[object]) -> list[Outline]:
+    """The outlines of elements. Those that follow one another share their shape, which may be as large as they are."""
+    found: list[Outline] = []
+    for element in elements:
+        made = outline(element)
+        if found and made.shape == found[-1].shape:
+            made = Outline(found[-1].shape, made.numbers)
+        found.append(made)
+    return found
 
 
 def _runs(outlines: Sequence[Outline], made: Callable[[int], T], variable: str) -> Iterator[tuple[int, int, T]]:
