@@ -84,7 +84,9 @@ export class DiagramView implements vscode.Disposable {
     const editor = vscode.window.activeTextEditor;
     if (this.panel === undefined) {
       const column = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
-      this.use(vscode.window.createWebviewPanel(VIEW, "Diagram", column, { enableScripts: true }));
+      // Its size and place stay while a figure is in front of it.
+      const options = { enableScripts: true, retainContextWhenHidden: true };
+      this.use(vscode.window.createWebviewPanel(VIEW, "Diagram", column, options));
     } else {
       this.panel.reveal(undefined, true);
     }
@@ -273,8 +275,10 @@ export class DiagramView implements vscode.Disposable {
   }
 
   private sayNotRunning(): void {
-    const why = this.server.trouble.message;
-    this.status(why ?? "cspdiag is not running: there is no diagram of the text as it is now.");
+    const until = this.server.isStarting
+      ? "cspdiag is being started."
+      : "cspdiag is not running: there is no diagram of the text as it is now.";
+    this.status(this.server.trouble.message ?? until);
   }
 
   private status(text: string, stale = text !== ""): void {

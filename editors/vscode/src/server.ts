@@ -47,6 +47,11 @@ export class Server implements vscode.Disposable {
     return this.client?.state === State.Running ? this.client : undefined;
   }
 
+  /** Whether it will soon run, or it will be known why not. */
+  get isStarting(): boolean {
+    return this.starting !== undefined || this.client?.state === State.Starting;
+  }
+
   /** The cspdiag whose server is running. */
   get command(): string | undefined {
     return this.found?.command;

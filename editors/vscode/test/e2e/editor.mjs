@@ -167,7 +167,7 @@ export class Editor {
 
   /** The page of the diagram. */
   get diagram() {
-    return this.page.frameLocator("iframe.webview.ready").frameLocator("#active-frame");
+    return this.page.frameLocator('iframe.webview.ready[src*="extensionId=cspdiag.cspdiag"]').frameLocator("#active-frame");
   }
 
   /** Waits until something is so. */

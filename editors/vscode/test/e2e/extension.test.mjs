@@ -153,6 +153,18 @@ step("an environment is run and plotted where it is written", async () => {
   await editor.screenshot("plot");
 });
 
+step("the diagram is as large as it was after a figure was in front of it", async () => {
+  await editor.page.locator(".tab", { hasText: "Diagram of" }).click();
+  await editor.diagram.locator("#larger").click();
+  const width = await editor.diagram.locator("#picture > svg").getAttribute("width");
+  await editor.page.locator(".tab", { hasText: "Bench.png" }).click();
+  await editor.page.locator(".tab.active", { hasText: "Bench.png" }).waitFor();
+  await editor.page.locator(".tab", { hasText: "Diagram of" }).click();
+  await editor.page.locator(".tab.active", { hasText: "Diagram of" }).waitFor();
+  assert.equal(await editor.diagram.locator("#picture > svg").getAttribute("width"), width);
+  await editor.diagram.locator("#fit").click();
+});
+
 step("a run that fails is plotted, too", async () => {
   await editor.open("fault.csp", 6);
   await editor.page.locator(".codelens-decoration a", { hasText: "Plot" }).first().click();
