@@ -29,7 +29,10 @@ class Plant:
         self.signals: dict[str, Any] = {}
 
     def start(self) -> None:
-        """Evaluate the outputs at time 0. «The environment from instant to instant»"""
+        """Evaluate the outputs at time 0, with what parameters are after the changes of that instant. «The environment
+        from instant to instant»
+        """
+        self.law.reset()
         self.signals = self.law.evaluate(self.results, **self.inputs)
 
     def advance(self, now: int) -> None:

@@ -163,6 +163,15 @@ class Evaluator:
             progress.inside.append(assign(name, code))
         return Atom(name)
 
+    def _as_texts(self, *expressions: Expression) -> list[Code]:
+        """How expressions would be written, without what has to be evaluated before them."""
+        progress = self.progress
+        setup, inside = [*progress.setup], progress.inside
+        progress.inside = None if inside is None else [*inside]
+        codes = [self._print(expression) for expression in expressions]
+        progress.setup[:], progress.inside = setup, inside
+        return codes
+
     def _conditionally_evaluated(self, expression: Expression) -> Code:
         """An operand that is not always evaluated, with everything that has to be evaluated before it inside."""
         progress = self.progress

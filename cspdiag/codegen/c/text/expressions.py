@@ -277,8 +277,8 @@ class Printer(Evaluator):
         known = decided_by_ranges(expression) if known is None else known
         if known is not None:
             return self._truth(known)
-        number = self._print(left)
-        if number != self._print(right) or isinstance(left.type, StructType | ArrayType):
+        number, other = self._as_texts(left, right)
+        if number != other or isinstance(left.type, StructType | ArrayType):
             return None
         equal = operator in ("==", "<=", ">=")
         if isinstance(left.type, RealType) and (equal or operator == "!="):
