@@ -8,7 +8,7 @@ VSCODE := editors/vscode
 STUDIO := studio
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test hunt check bench fmt docs site pictures cases grammar vscode test-vscode pictures-vscode studio test-studio clean
+.PHONY: help setup run test hunt check bench fmt docs site pictures cases grammar vscode test-vscode pictures-vscode studio test-studio pictures-studio clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -87,13 +87,17 @@ test-vscode: $(VENV)/.stamp-dev $(VSCODE)/node_modules/.stamp $(VSCODE)/test/e2e
 
 pictures-vscode: vscode $(VSCODE)/test/e2e/node_modules/.stamp ## Make the pictures of that extension in the documentation; look at them
 	cd $(VSCODE) && SCREENSHOTS=build/screenshots npm run --silent test:e2e
-	$(BIN)/python distribution/editor_pictures.py $(VSCODE)/build/screenshots
+	$(BIN)/python distribution/editor_pictures.py vscode $(VSCODE)/build/screenshots
 
 studio: $(STUDIO)/node_modules/.stamp ## Build the page of the studio: studio/build; needs node and npm
 	cd $(STUDIO) && npm run --silent check && npm run --silent build
 
 test-studio: $(VENV)/.stamp-dev studio ## Test that page in chromium
 	$(BIN)/pytest -rs tests/studio/test_page.py
+
+pictures-studio: studio ## Make the pictures of that page in the documentation; look at them
+	cd $(STUDIO) && SCREENSHOTS=build/screenshots npm run --silent test:e2e
+	$(BIN)/python distribution/editor_pictures.py studio $(STUDIO)/build/screenshots
 
 clean: ## Remove .venv, build/ and the caches
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

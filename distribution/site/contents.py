@@ -72,6 +72,7 @@ GUIDES = Section(
                 ("editors", "Editors", "Diagnostics, completion and diagrams as you type, in the editor you have."),
                 ("drawing", "Drawing", "Diagrams as pictures, with mistakes and differences marked in them."),
                 ("review", "Review and CI", "What a change does to the diagrams: in git, in pull requests, in CI."),
+                ("studio", "The studio", "Text, diagrams, runs and proofs on one page, in the browser."),
                 ("animate", "Animate your plant", "A drawing of the plant that moves with the run."),
                 ("assistants", "Assistants", "Assistants that check, prove, run and draw programs."),
             ),

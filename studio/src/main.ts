@@ -66,7 +66,7 @@ function say(where: HTMLElement, text: string, bad = false): void {
   where.classList.toggle("bad", bad);
 }
 
-/** Tells something for some seconds. */
+/** Shows a message for some seconds. */
 function tell(text: string): void {
   say(message, text);
   quiet();

@@ -13,7 +13,7 @@ export interface Marks {
   communicating?: readonly string[];
   /** Who waits, as programs do all the time. */
   waiting?: readonly Waiting[];
-  /** Who waits for ever. */
+  /** Who waits forever. */
   stuck?: readonly Waiting[];
 }
 

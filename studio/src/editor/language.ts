@@ -58,7 +58,7 @@ function name(stream: StringStream, word: string, state: State): string {
     return "modifier";
   }
   if (TYPES.has(word)) {
-    state.before = "type";
+    state.before = "a type";
     return "typeName";
   }
   if (stream.match(/^(?=\()/, false) !== null && FUNCTIONS.has(word)) {
@@ -107,7 +107,7 @@ export const parser: StreamParser<State> = {
       state.before = stream.match(DURATION, false) === null ? "number" : "duration";
       return "number";
     }
-    if (/^(?:number|type)$/.test(state.before) && stream.match(UNIT) !== null) {
+    if (/^(?:number|a type)$/.test(state.before) && stream.match(UNIT) !== null) {
       state.before = "unit";
       return "unit";
     }

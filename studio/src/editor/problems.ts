@@ -1,4 +1,4 @@
-/** The list of what was found in the program, with help, both ends, and what mends it. */
+/** The list of what was found in the program, with help, both ends, and what fixes it. */
 
 import type { Finding, Fix, Place } from "../engine/messages";
 import { button, element, h } from "../page/dom";

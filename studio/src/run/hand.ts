@@ -63,14 +63,14 @@ class Stick {
     this.pad.addEventListener("keydown", (event) => this.key(event));
   }
 
-  move(x: number, y: number, tell = true): void {
+  move(x: number, y: number, send = true): void {
     const bounded = (value: number) => Math.min(1, Math.max(-1, Math.round(value * 1000) / 1000));
     [this.x, this.y] = [bounded(x), bounded(y)];
     this.knob.style.left = `${50 + this.x * 36}%`;
     this.knob.style.top = `${50 - this.y * 36}%`;
     this.pad.setAttribute("aria-valuenow", String(this.x));
     this.pad.setAttribute("aria-valuetext", `horizontal ${this.x}, vertical ${this.y}`);
-    if (tell) {
+    if (send) {
       for (const [select, value] of [
         [this.horizontal, this.x],
         [this.vertical, this.y],

@@ -21,7 +21,7 @@ export class Modes {
 
   show(recording: Recording, from: number, to: number, at: number): void {
     for (const [path, log] of recording.modes) {
-      // A part that is one process has nothing to tell.
+      // A part that is one process has no modes.
       if (log.items.every((mode) => mode === path)) {
         continue;
       }

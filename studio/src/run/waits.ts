@@ -1,4 +1,4 @@
-/** Who waits for whom, in words. */
+/** Which processes wait for which, in words. */
 
 import type { Waiting } from "../engine/messages";
 import { h } from "../page/dom";

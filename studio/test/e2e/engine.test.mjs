@@ -41,7 +41,7 @@ test("an instance is opened by keyboard, and its composition shown", async () =>
   await page.close();
 });
 
-test("a slip is found as it is written, explained and mended", async () => {
+test("a slip is found as it is written, explained and fixed", async () => {
   const page = await studio.open();
   await write(page, "const period = 1 ms\nconst slow = 10 * peroid\n");
   await page.locator("#ui-problems li", { hasText: "there is no value" }).waitFor();
@@ -69,7 +69,7 @@ test("completion, hover and format come from the engine", async () => {
   await page.close();
 });
 
-test("the philosophers deadlock before one's eyes, and the suggestion mends them", async () => {
+test("the philosophers deadlock before one's eyes, and the suggestion fixes them", async () => {
   const page = await studio.open();
   await choose(page, "dining/deadlock");
   await page.locator("#ui-diagram svg", { hasText: "philosopher" }).waitFor();

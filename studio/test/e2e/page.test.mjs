@@ -14,7 +14,7 @@ before(async () => {
 });
 after(() => studio.close());
 
-test("a mistake is shown with its help, both ends and what mends it", async () => {
+test("a mistake is shown with its help, both ends and what fixes it", async () => {
   const page = await studio.open();
   await write(page, "process Pair {\n  left : A\n  slip : B\n}\n");
   const problem = page.locator("#ui-problems li");
@@ -84,7 +84,7 @@ test("one can stop, step, go back and scrub", async () => {
   await page.close();
 });
 
-test("a deadlock is seen as it happens: who waits for whom", async () => {
+test("a deadlock is seen as it happens, with the processes that wait for each other", async () => {
   const page = await studio.open();
   await page.getByLabel("Speed").selectOption("5");
   await page.keyboard.press("F5");
@@ -95,7 +95,7 @@ test("a deadlock is seen as it happens: who waits for whom", async () => {
   await page.close();
 });
 
-test("a counterexample is a film, and its suggestion mends the text", async () => {
+test("a counterexample is a film, and its suggestion fixes the text", async () => {
   const page = await studio.open();
   await page.getByRole("tab", { name: "Prove" }).click();
   await page.getByRole("button", { name: "Prove all" }).click();
@@ -107,7 +107,7 @@ test("a counterexample is a film, and its suggestion mends the text", async () =
   await screenshot(page, "film");
   await page.keyboard.press("Escape");
   await page.getByRole("button", { name: "let right read first" }).click();
-  await page.locator(".cm-line", { hasText: "// mended" }).waitFor();
+  await page.locator(".cm-line", { hasText: "// fixed" }).waitFor();
   await page.close();
 });
 

@@ -46,7 +46,7 @@ test("every keyword of the grammar is coloured", () => {
   }
 });
 
-test("names, units and durations are told apart", () => {
+test("names, units and durations are distinguished", () => {
   const found = new Map(tokens("process Law(kp: double<V/rad> = 4<V/rad>, T: time = 10 ms) // about"));
   assert.equal(found.get("process"), "definitionKeyword");
   assert.equal(found.get("Law"), "className");
@@ -54,6 +54,10 @@ test("names, units and durations are told apart", () => {
   assert.equal(found.get("<V/rad>"), "unit");
   assert.equal(found.get(" ms"), "unit");
   assert.equal(found.get("// about"), "comment");
+});
+
+test("a keyword after a type is a keyword", () => {
+  assert.deepEqual(tokens("a : int\n\ncommunication {").at(-2), ["communication", "definitionKeyword"]);
 });
 
 test("a comment over several lines ends where it ends", () => {
