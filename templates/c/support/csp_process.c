@@ -110,7 +110,8 @@ bool csp_catch(csp_kernel *csp, uint16_t exception)
 void csp_require_written(csp_kernel *csp, const csp_written *written)
 {
     if ((written != NULL) && !written->done) {
-        csp_not_written(csp, csp->program->variable_names[written->number]);
+        const char *const *const names = csp->program->variable_names;
+        csp_not_written(csp, (names != NULL) ? names[written->number] : "a variable");
     }
 }
 

@@ -50,7 +50,7 @@ typedef struct csp_program {
     void (*process_name)(uint32_t number, char *text, size_t size);
     void (*channel_name)(uint32_t number, char *text, size_t size);
     const char *const *exception_names; /* of declared exceptions, from CSP_FIRST_EXCEPTION */
-    const char *const *variable_names;  /* of those that may be read before they were written, by number */
+    const char *const *variable_names;  /* of those that may be read before they were written, by number; NULL without texts */
     /* What may change while the program runs; the size is 0 if there is nothing. */
     ptrdiff_t parameters; /* the distance from the kernel to the structure */
     size_t parameters_size;

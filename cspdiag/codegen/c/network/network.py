@@ -340,7 +340,11 @@ class _NetworkFiles:
             "    .process = offsetof(struct network, top.process),",
             *(["    .ports = port_table,", f"    .port_count = {count}U,"] if count else []),
             *(["    .exception_names = exception_names,"] if exceptions else []),
-            *(["    .variable_names = network_variable_names,"] if self.variables else []),
+            *(
+                ["#if CSP_USES_TEXTS", "    .variable_names = network_variable_names,", "#endif"]
+                if self.variables
+                else []
+            ),
             *self._parameters.program(),
             "#if CSP_TRACE",
             "    .process_name = process_name,",
