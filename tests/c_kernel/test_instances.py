@@ -173,6 +173,20 @@ def test_the_longest_times_are_those_that_the_timing_analysis_reads(tmp_path: Pa
     assert found.kernel == 40_000
 
 
+def test_refused_parameters_say_why_without_a_text(tmp_path: Path) -> None:
+    """The numbers are those of the enums: the first parameter is not finite, the third constant cannot be computed."""
+    need("gcc")
+    program = by_the_interface(tmp_path, "tests/c_kernel/devices/tuned.csp", HERE / "devices" / "tuned.c", "gcc")
+    done, not_finite, not_computed, again = run(program).splitlines()
+    assert done == "done 1, refusal 0, parameter 0; driven 28"
+    assert not_finite == "done 0, refusal 1, parameter 0; driven 28"
+    assert not_computed == "done 0, refusal 2, parameter 2; driven 28"
+    assert again.startswith("done 1, refusal 0")
+    assert again.endswith("driven 23")
+    header = (tmp_path / "tuned_api.h").read_text()
+    assert "TUNED_PARAMETER_GAINS,\n    TUNED_PARAMETER_COUNT,\n    TUNED_PARAMETER_SHARE\n" in header
+
+
 def test_an_exception_and_a_deadlock_are_reported_before_the_outputs_are_released(tmp_path: Path) -> None:
     need("gcc")
     main = HERE / "devices" / "failing.c"

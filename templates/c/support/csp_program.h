@@ -59,6 +59,13 @@ typedef struct csp_program {
     bool reports_misses; /* the caller of csp_run reports missed samples, so the port does not */
 } csp_program;
 
+/* Why parameters were refused: a value is not finite, or a constant that follows from them cannot be computed. */
+typedef enum csp_refusal_cause { CSP_ACCEPTED, CSP_NOT_FINITE, CSP_NOT_COMPUTED } csp_refusal_cause;
+typedef struct csp_refusal {
+    uint16_t cause;     /* csp_refusal_cause */
+    uint16_t parameter; /* the number of the parameter or constant, in the order of the text */
+} csp_refusal;
+
 /* Changes of parameters in csp_run: the instant of the next one, INT64_MAX: none is known; and what makes those up to an instant. */
 typedef struct csp_tuning {
     int64_t (*next)(void);

@@ -16,6 +16,7 @@ from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.names import Names, PackageNames
 from cspdiag.codegen.c.text.statements import Block, Statement, define, lines, signature
 from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.shared.names import with_underscores
 from cspdiag.codegen.shared.render import Render
 from cspdiag.model.types import ArrayType, EnumType, StructType
 from cspdiag.network.ir.network import ExternalPort, Network
@@ -53,6 +54,7 @@ class ApiText:
     event_functions: list[str]
     parameters: bool
     """Whether the program has parameters."""
+    parameter_names: str
 
 
 @record
@@ -125,6 +127,7 @@ class Interface:
             connect=self.connect,
             event_functions=self.event_functions,
             parameters=bool(self.network.parameters),
+            parameter_names=self.parameter_names,
         )
 
     @property
@@ -169,6 +172,13 @@ class Interface:
         ports = self.network.external_ports
         literals = [self.names.public_constant(f"PORT_{port.key}") for port in ports]
         return "\n".join(self._enum("port", literals)) if literals else ""
+
+    @cached_property
+    def parameter_names(self) -> str:
+        """The numbers of parameters, and of constants that follow from them; empty if there are none."""
+        parameters = self.network.parameters
+        literals = [self.names.public_constant(f"PARAMETER_{with_underscores(item.name)}") for item in parameters]
+        return "\n".join(self._enum("parameter", literals)) if literals else ""
 
     @property
     def event_names(self) -> str:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, end_if_faulted
+from cspdiag.codegen.c.laws.equations import Check, EquationWriter
 from cspdiag.codegen.c.laws.laws import body_name
-from cspdiag.codegen.c.text.code import CSP, Aggregate, Code, address, call, code, ignored, negated, own
+from cspdiag.codegen.c.text.code import CSP, Aggregate, Code, address, call, cast, code, ignored, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
@@ -18,8 +18,10 @@ from cspdiag.codegen.c.text.statements import (
     Function,
     Remark,
     Statement,
+    choose,
     define,
     lines,
+    return_if,
     return_value,
     run,
     store,
@@ -73,16 +75,14 @@ class ParameterText:
                 define(self.types.type_name(item.type), self.names.parameters[item.name]) for item in self.following
             ]
             yield Block(tuple(members), "struct", "} following; /* from the parameters */")
-        yield define("bool", "refused", remark="those with which it was to begin")
+        yield define("csp_refusal", "refusal", remark="of those that were given last")
 
     def declarations(self) -> list[str]:
         """The function that sets them, for the header."""
         if not self.own:
             return []
         return [
-            "/* Sets the parameters, between two steps; false: nothing was done, because a value is not",
-            " * finite, or something that follows from them cannot be computed.",
-            " */",
+            "/* Sets the parameters, between two steps; false: nothing was done, and `refusal` says why. */",
             f"bool network_set(struct network *self, const {self.struct} *parameters);",
             "",
             "/* The values of the text. */",
@@ -99,8 +99,8 @@ class ParameterText:
         if not self.own:
             return []
         stored = store(own("parameters"), "network_defaults")
-        refused = code("(parameters != NULL) && !network_set(self, parameters)")
-        return [stored, run(ignored(call("follow", "self"))), store(own("refused"), refused)]
+        given = run(ignored(call("network_set", "self", "parameters")))
+        return [stored, run(ignored(call("follow", "self"))), *choose(code("parameters != NULL"), [given])]
 
     def functions(self) -> list[str]:
         """The functions that set them, and the values of the text."""
@@ -108,7 +108,8 @@ class ParameterText:
             return []
         rows = [
             *lines([Remark("The values of the text."), self._defaults(), Blank()]),
-            *lines([Remark("Tests the parameters, and computes what follows from them; false after a fault.")]),
+            *lines([self._refuse(), Blank()]),
+            *lines([Remark("Tests the parameters, and computes what follows from them; false: they are refused.")]),
             *lines([self._follow(), Blank(), self._set(), Blank(), *self._set_any()]),
         ]
         return [*rows, ""]
@@ -135,19 +136,36 @@ class ParameterText:
     def _follow(self) -> Function:
         """Tests the parameters, and computes what follows from them."""
         printer = Printer(self.types, program=self.reference)
-        writer = EquationWriter(printer, self._place, end_if_faulted, lambda name: code(name), body_name)
         statements: list[Statement] = []
-        for item in self.network.parameters:
+        for number, item in enumerate(self.network.parameters):
             value = parameter_of(code("self"), item.name, self.network, self.names)
             if item.follows is not None:
+                check = _check("CSP_NOT_COMPUTED", number)
+                writer = EquationWriter(printer, self._place, check, lambda name: code(name), body_name)
                 statements += writer.assign(value, item.follows, self._place(item))
             test = self.types.finite_check(item.type, value, code(quoted(item.name)))
             if test is not None:
-                statements.append(run(test))
-        statements.append(return_value(negated(call("csp_faulted"))))
+                cause = "CSP_NOT_FINITE" if item.follows is None else "CSP_NOT_COMPUTED"
+                statements += [run(test), *_check(cause, number)("")]
+        statements.append(return_value("true"))
         kernel = define("csp_kernel *const", "csp", "&self->kernel")
         changed = run("csp->changes++")
         return Function("static bool follow", ("struct network *self",), (kernel, changed, *statements))
+
+    @staticmethod
+    def _refuse() -> Function:
+        """Notes why parameters are refused, instead of the fault that was found."""
+        refusal = own("refusal")
+        return Function(
+            "static bool refuse",
+            ("struct network *self", "csp_refusal_cause cause", "uint16_t parameter"),
+            (
+                store(refusal.field("cause"), cast("uint16_t", code("cause"))),
+                store(refusal.field("parameter"), "parameter"),
+                store(own("kernel").field("fault").field("describe"), "NULL"),
+                return_value("false"),
+            ),
+        )
 
     def _set(self) -> Function:
         return Function(
@@ -156,8 +174,8 @@ class ParameterText:
             (
                 define(f"const {self.struct}", "before", own("parameters")),
                 store(own("parameters"), "*parameters"),
+                store(own("refusal").field("cause"), cast("uint16_t", code("CSP_ACCEPTED"))),
                 Block((return_value("true"),), "if (follow(self))", "}"),
-                store(own("kernel").field("fault").field("describe"), "NULL"),
                 store(own("parameters"), "before"),
                 run(ignored(call("follow", "self"))),
                 return_value("false"),
@@ -168,3 +186,8 @@ class ParameterText:
         enclosing = call("CSP_ENCLOSING", CSP, "struct network", "kernel")
         made = return_value(call("network_set", enclosing, "parameters"))
         return [Function("static bool set_parameters", ("csp_kernel *csp", "const void *parameters"), (made,))]
+
+
+def _check(cause: str, number: int) -> Check:
+    """The check after which parameters are refused, because of the one with this number."""
+    return lambda _: [return_if(call("csp_faulted"), call("refuse", "self", cause, f"{number}U"))]

@@ -90,14 +90,15 @@ _INTERFACE = words(
     """
     memory instance input inputs output outputs event hooks state begin advance continues next hand_over finish
     release stop save restore describe times write_times port communication cause failure diagnose channel_name
-    process_name api types build size_suffices
+    process_name api types build size_suffices parameter refusal why_refused
     """
 )
 """What names of the interface end with, after the name of the package."""
 
 _INTERFACE_CONSTANTS = words(
     "SIZE PROCESSES API_H TYPES_H MORE BUDGET REFUSED ENDED FAILED DEADLOCK STOPPED IN OUT EVENT "
-    "CAUSE_FAULT CAUSE_TIMEOUT CAUSE_EXCEPTION CAUSE_DEADLOCK"
+    "CAUSE_FAULT CAUSE_TIMEOUT CAUSE_EXCEPTION CAUSE_DEADLOCK PARAMETER "
+    "REFUSAL_NONE REFUSAL_NOT_FINITE REFUSAL_NOT_COMPUTED"
 )
 """The same for its constants and macros."""
 

@@ -113,13 +113,9 @@ static void measured(void *context, uint32_t process, uint32_t took)
 {
     const emergency_instance *const self = context;
     emergency_times *const times = self->hooks.times;
-    uint32_t *longest = &times->instant;
-    if (process == CSP_OUTSIDE) {
-        longest = &times->kernel;
-    } else if (process > 0U) {
+    uint32_t *longest = (process == CSP_OUTSIDE) ? &times->kernel : &times->instant;
+    if ((process > 0U) && (process <= EMERGENCY_PROCESSES)) {
         longest = &times->process[process - 1U];
-    } else {
-        /* All work at an instant. */
     }
     if (took > *longest) {
         *longest = took;

@@ -140,13 +140,9 @@ static void measured(void *context, uint32_t process, uint32_t took)
 {
     const jiwy_instance *const self = context;
     jiwy_times *const times = self->hooks.times;
-    uint32_t *longest = &times->instant;
-    if (process == CSP_OUTSIDE) {
-        longest = &times->kernel;
-    } else if (process > 0U) {
+    uint32_t *longest = (process == CSP_OUTSIDE) ? &times->kernel : &times->instant;
+    if ((process > 0U) && (process <= JIWY_PROCESSES)) {
         longest = &times->process[process - 1U];
-    } else {
-        /* All work at an instant. */
     }
     if (took > *longest) {
         *longest = took;
@@ -260,7 +256,7 @@ jiwy_instance *jiwy_begin(void *memory, size_t size,
     self->program = &network_program;
     self->place = self;
     connect(self);
-    if (self->network.refused) {
+    if (self->network.refusal.cause != CSP_ACCEPTED) {
         self->place = NULL;
         if (reason != NULL) {
             *reason = "the parameters have values that the program cannot have";
@@ -319,6 +315,13 @@ bool jiwy_set(jiwy_instance *self,
     const jiwy_parameters *parameters)
 {
     return network_set(&self->network, parameters);
+}
+
+jiwy_refusal jiwy_why_refused(const jiwy_instance *self,
+    jiwy_parameter *parameter)
+{
+    *parameter = (jiwy_parameter)self->network.refusal.parameter;
+    return (jiwy_refusal)self->network.refusal.cause;
 }
 
 int64_t jiwy_next(jiwy_instance *self)

@@ -207,11 +207,26 @@ void jiwy_defaults(jiwy_parameters *parameters);
 void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters);
 
 /* Changes the parameters, between two steps: from the next instant on, everything uses them.
- * False: nothing was done, because a value is not finite, or something that follows from them
- * cannot be computed. Values of enums are not tested, here and in events.
+ * False: nothing was done. Values of enums are not tested, here and in events.
  */
 bool jiwy_set(jiwy_instance *self,
     const jiwy_parameters *parameters);
+
+/* The parameters, and constants that follow from them. */
+typedef enum jiwy_parameter {
+    JIWY_PARAMETER_PAN_GAINS,
+    JIWY_PARAMETER_TILT_GAINS
+} jiwy_parameter;
+
+typedef enum jiwy_refusal {
+    JIWY_REFUSAL_NONE,
+    JIWY_REFUSAL_NOT_FINITE,  /* the parameter, or a part of it, is no finite number */
+    JIWY_REFUSAL_NOT_COMPUTED /* this constant could not be computed, or is not finite */
+} jiwy_refusal;
+
+/* Why the last jiwy_set did nothing, and because of which parameter. */
+jiwy_refusal jiwy_why_refused(const jiwy_instance *self,
+    jiwy_parameter *parameter);
 
 /* The next instant at which something is due; INT64_MAX, to which no run advances: nothing but
  * events, so wait for one.

@@ -88,24 +88,38 @@ const struct jiwy_parameters network_defaults = {
     }
 };
 
-/* Tests the parameters, and computes what follows from them; false after a fault. */
+static bool refuse(struct network *self, csp_refusal_cause cause, uint16_t parameter)
+{
+    self->refusal.cause = (uint16_t)cause;
+    self->refusal.parameter = parameter;
+    self->kernel.fault.describe = NULL;
+    return false;
+}
+
+/* Tests the parameters, and computes what follows from them; false: they are refused. */
 static bool follow(struct network *self)
 {
     csp_kernel *const csp = &self->kernel;
     csp->changes++;
     jiwy_servo_gains_finite(csp, self->parameters.panGains, "panGains");
+    if (csp_faulted(csp)) {
+        return refuse(self, CSP_NOT_FINITE, 0U);
+    }
     jiwy_servo_gains_finite(csp, self->parameters.tiltGains, "tiltGains");
-    return !csp_faulted(csp);
+    if (csp_faulted(csp)) {
+        return refuse(self, CSP_NOT_FINITE, 1U);
+    }
+    return true;
 }
 
 bool network_set(struct network *self, const struct jiwy_parameters *parameters)
 {
     const struct jiwy_parameters before = self->parameters;
     self->parameters = *parameters;
+    self->refusal.cause = (uint16_t)CSP_ACCEPTED;
     if (follow(self)) {
         return true;
     }
-    self->kernel.fault.describe = NULL;
     self->parameters = before;
     (void)follow(self);
     return false;
@@ -123,7 +137,9 @@ const csp_program network_program = {
     .ports = port_table,
     .port_count = 7U,
     .exception_names = exception_names,
+#if CSP_USES_TEXTS
     .variable_names = network_variable_names,
+#endif
     .parameters = offsetof(struct network, parameters),
     .parameters_size = sizeof(struct jiwy_parameters),
     .set_parameters = set_parameters,
@@ -142,7 +158,9 @@ void network_initialize(struct network *self, const struct network_drivers *driv
     csp_build(csp, &network_program, hooks);
     self->parameters = network_defaults;
     (void)follow(self);
-    self->refused = (parameters != NULL) && !network_set(self, parameters);
+    if (parameters != NULL) {
+        (void)network_set(self, parameters);
+    }
     csp_sampled_input_init(&self->external.joystick_horizontal, 0U, 2 * CSP_MS,
         &self->present.joystick_horizontal, drivers->joystick_horizontal);
     csp_sampled_input_init(&self->external.joystick_vertical, 1U, CSP_MS,

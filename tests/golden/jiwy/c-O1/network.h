@@ -10,7 +10,7 @@
 struct network {
     csp_kernel kernel;
     struct jiwy_parameters parameters;
-    bool refused; /* those with which it was to begin */
+    csp_refusal refusal; /* of those that were given last */
     struct jiwy top; /* the outermost process, with all others inside */
     struct {
         csp_sampled_input joystick_horizontal;
@@ -57,9 +57,7 @@ struct network_drivers {
 void network_initialize(struct network *self, const struct network_drivers *drivers,
     const csp_hooks *hooks, const struct jiwy_parameters *parameters);
 
-/* Sets the parameters, between two steps; false: nothing was done, because a value is not
- * finite, or something that follows from them cannot be computed.
- */
+/* Sets the parameters, between two steps; false: nothing was done, and `refusal` says why. */
 bool network_set(struct network *self, const struct jiwy_parameters *parameters);
 
 /* The values of the text. */
