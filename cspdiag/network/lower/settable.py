@@ -29,6 +29,8 @@ class Settable:
 
     setting: str
     constant: ast.Constant
+    path: str = ""
+    """Of an argument: where it is inside the outermost process."""
     owner: _Owner | None = None
     """What has the argument; None for a constant."""
     parameter: ast.Parameter | None = None
@@ -66,7 +68,7 @@ def choice_of(
                 value=value,
                 tunable=True,
             )
-            found.append(Settable(setting=setting, constant=own, owner=owner, parameter=parameter))
+            found.append(Settable(setting=setting, constant=own, path=path, owner=owner, parameter=parameter))
     return Choice(tuple(found), reasons)
 
 

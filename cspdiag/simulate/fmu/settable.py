@@ -10,6 +10,7 @@ from cspdiag.base.record import EMPTY, record, replaced
 from cspdiag.network.lower.program import selection
 from cspdiag.network.lower.promoted import with_every_parameter
 from cspdiag.network.lower.settable import choice_of, values_in, with_parameters
+from cspdiag.network.lower.setting_paths import of_root
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
@@ -48,11 +49,16 @@ def settable(built: Built, top: str | None, environment: str | None) -> Settable
         return SettableNetwork(built.network)
     process, environments = selection(program, analysis, top, environment)
     choice = choice_of(program, process, next(iter(environments), None))
+    given = of_root(overrides, process)
 
     def attempt(chosen: Sequence[Settable]) -> CoreNetwork | None:
         """The network in which these are parameters; None if something that they are used for does not allow it."""
-        made = pipeline.changed(checked, program.overrides, trees=with_parameters(program.trees, chosen))
-        return pipeline.compile_network(made, top=top, environment=environment, overrides=overrides)
+        # What was set for an argument is the value of its parameter.
+        moved = {item.path: item.setting for item in chosen if item.owner is not None and item.path in given}
+        values = {**program.overrides, **{setting: given[path] for path, setting in moved.items()}}
+        left = {key: value for key, value in overrides.items() if key.rpartition(":")[2] not in moved}
+        made = pipeline.changed(checked, values, trees=with_parameters(program.trees, chosen))
+        return pipeline.compile_network(made, top=top, environment=environment, overrides=left)
 
     chosen, constants = choice.settable, dict(choice.constants)
     network = attempt(chosen)

@@ -134,6 +134,20 @@ def test_values_are_those_of_a_run_with_these_settings(
     assert (len(set(openings)), len(set(levels))) >= (8, 80)
 
 
+def test_what_was_set_before_is_the_value_at_the_start(tmp_path: Path) -> None:
+    (tmp_path / "tank.csp").write_text(PROGRAM)
+    settings = [word for name in ("gain", "valve.target") for word in ("--set", f"{name}={SETTINGS[name]}")]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CFLAGS", "-O0")
+        command = ["compile", str(tmp_path / "tank.csp"), "--target", "fmu", "-o", str(tmp_path), *settings]
+        assert main(command) == 0
+    with Instance(tmp_path / "tank.fmu", tmp_path / "program") as one:
+        assert {name: float(start) for name, start in fixed(one).items() if name != "mode"} == {
+            "gain": 3.0,
+            "valve.target": 1.25,
+        }
+
+
 def test_instances_have_their_own_values(fmus: tuple[Path, Path], tmp_path: Path) -> None:
     with Instance(fmus[1], tmp_path / "plant") as one:
         other = one.instance("other")
