@@ -92,6 +92,9 @@ pictures-vscode: vscode $(VSCODE)/test/e2e/node_modules/.stamp ## Make the pictu
 studio: $(STUDIO)/node_modules/.stamp ## Build the page of the studio: studio/build; needs node and npm
 	cd $(STUDIO) && npm run --silent check && npm run --silent build
 
+playground: studio third-party/VERSIONS ## Add to that page the engine that runs in browsers: studio/build/engine
+	$(BIN)/python distribution/playground.py
+
 test-studio: $(VENV)/.stamp-dev studio ## Test that page in chromium
 	$(BIN)/pytest -rs tests/studio/test_page.py
 

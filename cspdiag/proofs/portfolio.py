@@ -176,9 +176,9 @@ def _by_minimization(question: StuckQuestion, limits: Limits) -> Verdict:
 
 
 def _by_breadth_first(question: StuckQuestion, limits: Limits) -> Verdict:
-    from cspdiag.proofs.search import breadth_first
+    from cspdiag.proofs.search import all_states
 
-    search = breadth_first.deadlock_free if question.together else breadth_first.knot_free
+    search = all_states.deadlock_free if question.together else all_states.knot_free
     return search(question.system, limits)
 
 

@@ -26,7 +26,7 @@ def cache_folder() -> str:
         base = base if os.path.isabs(base) else os.path.expanduser("~/.cache")
     folder = os.path.join(base, "cspdiag")
     os.makedirs(folder, mode=0o700, exist_ok=True)
-    if sys.platform != "win32":
+    if sys.platform not in ("win32", "emscripten"):  # In a browser there is one user.
         facts = os.stat(folder)
         if facts.st_uid != os.geteuid() or facts.st_mode & _OTHERS_WRITE:
             raise PermissionError(errno.EACCES, "others may write into it, so nothing in it is trusted", folder)

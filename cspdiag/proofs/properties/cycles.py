@@ -10,18 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import TypeAlias
 
-import numpy as np
-import numpy.typing as npt
-
-from cspdiag.base.record import record
+from cspdiag.proofs.properties.endless import Endless, Finite
 from cspdiag.proofs.reduce.reduction import can_livelock, is_large, seen_from_outside
-from cspdiag.proofs.search.breadth_first import CHUNK, Exploration, explore, trace_to
+from cspdiag.proofs.search.all_states import has_vectors
 from cspdiag.proofs.search.closed_sets import ClosedSets, Ready
 from cspdiag.proofs.search.local_loops import looping_part
-from cspdiag.proofs.search.packing import Flags, Packing, Words
 from cspdiag.proofs.search.traces import causes
 from cspdiag.proofs.transitions.systems.system import System
-from cspdiag.proofs.verdict import LimitError, Limits, Method, Move
+from cspdiag.proofs.verdict import LimitError, Limits, Move
 
 _BRIEF_SEARCH_STATES = 3000
 """The number of states of the short search, at least."""
@@ -34,29 +30,8 @@ _ENTRIES = 30_000_000
 `_BRIEF_SEARCH_STATES`.
 """
 
-Edges = npt.NDArray[np.int64]
 State: TypeAlias = tuple[int, ...]
 Successor: TypeAlias = tuple[Move, State]
-
-
-@record
-class Endless:
-    """A run that never ends: ``trace`` from the initial state, then ``cycle`` forever."""
-
-    method: Method
-    trace: tuple[Move, ...]
-    cycle: tuple[Move, ...]
-    states: int | None = None
-
-
-@record
-class Finite:
-    """No run has infinitely many of the events in a row; ``states`` is the number of states explored, None if none had
-    to be.
-    """
-
-    method: Method
-    states: int | None = None
 
 
 def endless_run(system: System, events: Collection[int], limits: Limits) -> Endless | Finite:
@@ -69,7 +44,11 @@ def endless_run(system: System, events: Collection[int], limits: Limits) -> Endl
         return found
     if is_large(system) and _is_excluded_outside(system, set(events), limits):
         return Finite("minimization")
-    return _among_all_states(system, part, limits)
+    if has_vectors():
+        from cspdiag.proofs.properties.cycles_by_vectors import among_all_states
+    else:
+        from cspdiag.proofs.properties.cycles_one_by_one import among_all_states
+    return among_all_states(system, part, limits)
 
 
 def _brief_search(system: System, part: System, limits: Limits) -> Endless | None:
@@ -167,88 +146,3 @@ def _is_excluded_outside(system: System, events: set[int], limits: Limits) -> bo
     except LimitError:
         return False
     return reduced is not None and not can_livelock(reduced)
-
-
-def _among_all_states(system: System, part: System, limits: Limits) -> Endless | Finite:
-    packing = Packing(system)
-    search = explore(packing, limits, _nothing)
-    sources, targets = _edges(search, Packing(part), limits)
-    left = _without_ends(search.states, sources, targets, limits)
-    if not len(left):
-        return Finite("breadth-first", search.states)
-    return _shortest_cycle(search, part, left, limits)
-
-
-def _nothing(words: Words, can_step: Flags) -> None:
-    """The condition of a search that is to reach all states."""
-
-
-def _edges(search: Exploration, packing: Packing, limits: Limits) -> tuple[Edges, Edges]:
-    """The numbers of the states before and after each step of ``packing`` between states that were found."""
-    sources, targets = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
-    size = 0
-    for first in range(0, search.states, CHUNK):
-        here = search.table.states(first, min(first + CHUNK, search.states))
-        for step in packing.steps:
-            limits.check()
-            at = np.flatnonzero(step.enabled(here))
-            if len(at):
-                sources.append(at + first)
-                targets.append(search.table.find(step.after(here, at)))
-                size += 2 * at.nbytes
-        limits.check(search.table.bytes + 3 * size)
-    return np.concatenate(sources), np.concatenate(targets)
-
-
-def _without_ends(states: int, sources: Edges, targets: Edges, limits: Limits) -> Edges:
-    """The states from which an infinite path leads. Raises LimitError."""
-    order = np.argsort(targets, kind="stable")
-    before = sources[order]
-    first = np.searchsorted(targets[order], np.arange(states + 1))
-    leaving = np.bincount(sources, minlength=states)
-    ends = np.flatnonzero(leaving == 0)
-    while len(ends):
-        limits.check()
-        leaving[ends] = -1
-        counts = first[ends + 1] - first[ends]
-        starts = np.repeat(first[ends] - np.concatenate(([0], np.cumsum(counts)[:-1])), counts)
-        reached = before[starts + np.arange(len(starts))]
-        np.subtract.at(leaving, reached, 1)
-        ends = np.unique(reached[leaving[reached] == 0])
-    return np.flatnonzero(leaving > 0)
-
-
-def _shortest_cycle(search: Exploration, part: System, left: Edges, limits: Limits) -> Endless:
-    """The cycle that a walk through the remaining states reaches, and a shortest trace to it."""
-    endless = set(left.tolist())
-    sets = ClosedSets(part, limits)
-
-    def onward(number: int) -> list[tuple[Move, int]]:
-        state = search.state(number)
-        ways = [way for event in sets.possible(state) for way in sets.moves(state, event)]
-        numbers = search.table.find(search.packing.pack([after for _, after in ways])).tolist()
-        return [(move, after) for (move, _), after in zip(ways, numbers, strict=True) if after in endless]
-
-    walked: dict[int, int] = {}
-    number = int(left[0])
-    while number not in walked:
-        limits.check()
-        walked[number] = len(walked)
-        number = onward(number)[0][1]
-    start = min(member for member, place in walked.items() if place >= walked[number])
-    came: dict[int, tuple[int, Move]] = {}
-    pending = [start]
-    for member in pending:
-        for move, after in onward(member):
-            limits.check()
-            if after not in came:
-                came[after] = (member, move)
-                pending.append(after)
-        if start in came:
-            break
-    cycle: list[Move] = []
-    at = start
-    while not cycle or at != start:
-        at, move = came[at]
-        cycle.append(move)
-    return Endless("breadth-first", trace_to(search, start), tuple(reversed(cycle)), search.states)

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from typing import assert_never
 
-from cspdiag.proofs.properties.cycles import Finite, endless_run
+from cspdiag.proofs.properties.cycles import endless_run
+from cspdiag.proofs.properties.endless import Finite
 from cspdiag.proofs.transitions.systems.system import Event, System
 from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Proved, Refuted, Unknown, Verdict
 

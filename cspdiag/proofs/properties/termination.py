@@ -9,7 +9,8 @@ from typing import assert_never
 
 from cspdiag.base.record import replaced
 from cspdiag.proofs.portfolio import prove_deadlock_free
-from cspdiag.proofs.properties.cycles import Finite, endless_run
+from cspdiag.proofs.properties.cycles import endless_run
+from cspdiag.proofs.properties.endless import Finite
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Proved, Refuted, Unknown, Verdict
 

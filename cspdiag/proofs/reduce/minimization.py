@@ -11,7 +11,7 @@ from collections.abc import Callable
 from cspdiag.proofs.reduce.knots_as_deadlocks import knots_as_deadlocks
 from cspdiag.proofs.reduce.parallel_machines import MOST_STATES, MachineInSystem
 from cspdiag.proofs.reduce.reduction import Reduction
-from cspdiag.proofs.search import breadth_first, stubborn
+from cspdiag.proofs.search import all_states, stubborn
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
 
@@ -32,7 +32,7 @@ def knot_free(system: System, limits: Limits) -> Verdict:
 
 def _some_knot(system: System, limits: Limits) -> Verdict:
     found = stubborn.knot_free(system, limits)
-    return breadth_first.knot_free(system, limits) if isinstance(found, Unknown) else found
+    return all_states.knot_free(system, limits) if isinstance(found, Unknown) else found
 
 
 def _decide(

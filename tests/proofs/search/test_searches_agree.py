@@ -10,7 +10,7 @@ import pytest
 
 from cspdiag.proofs.properties import cycles, livelock, termination
 from cspdiag.proofs.reduce import minimization, reduction
-from cspdiag.proofs.search import breadth_first, stubborn
+from cspdiag.proofs.search import breadth_first, one_by_one, stubborn
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Verdict
 from tests.proofs.systems import naive
@@ -43,6 +43,8 @@ def check(system: System, verdict: Verdict, holds: Callable[[System, naive.State
     [
         (breadth_first.deadlock_free, naive.deadlocked, True),
         (breadth_first.knot_free, naive.knotted, True),
+        (one_by_one.deadlock_free, naive.deadlocked, True),
+        (one_by_one.knot_free, naive.knotted, True),
         (stubborn.deadlock_free, naive.deadlocked, False),
         (minimization.deadlock_free, naive.deadlocked, False),
         (minimization.knot_free, naive.knotted, False),
@@ -61,7 +63,9 @@ def test_a_search_answers_as_the_plain_interpretation_does(
     assert 30 < sum(answers) < len(answers) - 30, "both answers appear often"
 
 
-@pytest.mark.parametrize(("brief_search", "large"), [(0, False), (3000, False), (0, True)])
+@pytest.mark.parametrize(
+    ("brief_search", "large", "vectors"), [(0, False, True), (0, False, False), (3000, False, True), (0, True, True)]
+)
 @pytest.mark.parametrize(
     ("search", "holds", "fewest"),
     [(livelock.livelock_free, naive.livelocked, 30), (termination.terminates, naive.never_ends, 8)],
@@ -72,8 +76,10 @@ def test_endless_runs_are_found_as_the_plain_interpretation_finds_them(
     fewest: int,
     brief_search: int,
     large: bool,
+    vectors: bool,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(cycles, "has_vectors", lambda: vectors)
     monkeypatch.setattr(cycles, "_BRIEF_SEARCH_STATES", brief_search)
     monkeypatch.setattr(reduction, "_WORTH_WHILE", 0 if large else 10**6)
     true = 0
@@ -93,3 +99,10 @@ def test_all_reachable_states_and_deadlocks_are_counted() -> None:
         states = [state for layer in naive.layers(system) for state in layer]
         deadlocks = sum(naive.deadlocked(system, state) for state in states)
         assert breadth_first.count(system, Limits()) == (len(states), deadlocks), f"seed {seed}"
+
+
+def test_one_by_one_reaches_as_many_states_as_by_vectors() -> None:
+    for seed in SEEDS:
+        system = random_system(seed)
+        found = one_by_one.explore(system, Limits(), lambda state, can_step: ())
+        assert len(found.states) == breadth_first.count(system, Limits())[0]
