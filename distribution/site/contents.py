@@ -234,5 +234,23 @@ GUIDES = GUIDES._replace(groups=(*GUIDES.groups, *_further()))
 
 SECTIONS = (LEARN, GUIDES, REFERENCE, EXPLANATIONS, GALLERY)
 
+PICTURES = {
+    "philosophers": "pictures/deadlock.svg",
+    "button": "pictures/check.svg",
+    "slow-loop": "images/bode.svg",
+    "two-rates": "pictures/cascade.svg",
+    "emergency-stop": "pictures/emergency.svg",
+    "jiwy": "images/jiwy.svg",
+    "jiwy_mujoco": "../models/jiwy_mujoco/frames.png",
+    "cascade": "pictures/cascade.svg",
+    "emergency": "pictures/emergency.svg",
+    "watchdog": "pictures/watchdog.svg",
+    "dining": "pictures/dining.svg",
+    "buffer": "pictures/buffer.svg",
+    "ring": "pictures/ring.svg",
+    "commstime": "pictures/commstime.svg",
+}
+"""The pictures of the first page of the gallery, by page, as seen from ``docs/``."""
+
 RUN = ("docs/lectures/", "models/")
 """Where the pages are whose commands are run when the site is built."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from distribution.site import front, generated
 from distribution.site.book import NAME as BOOK
-from distribution.site.contents import REFERENCE, RUN, SECTIONS, Entry, Section
+from distribution.site.contents import GALLERY, PICTURES, REFERENCE, RUN, SECTIONS, Entry, Section
 from distribution.site.markdown import Page, Playground, converted, fenced, play_link, prose, relative
 from distribution.site.pictures import dark, light
 from distribution.site.playground import program_of
@@ -25,6 +26,7 @@ _PLACES = {
     "models": "gallery/index",
     "docs": "index",
 }
+_FILE_NAME = re.compile(r"\[(?P<file>[\w./-]+\.md)\]\((?P<place>[\w./-]+)\.md(?P<anchor>#[^)]*)?\)")
 _ENTRIES = tuple(entry for section in SECTIONS for group in section.groups for entry in group.entries)
 
 
@@ -36,6 +38,7 @@ class Site:
         self.work = work
         self.playground: Playground = playground
         self.has_book = has_book
+        self._names = {entry.place: entry.name for entry in _ENTRIES}
         self.pages: list[Page] = []
         self._written: set[Path] = set()
         self._places = _PLACES | {entry.source: entry.place for entry in _ENTRIES if entry.source}
@@ -82,7 +85,7 @@ class Site:
         page = self.page_at(entry.place, path)
         if entry.source.startswith(RUN):
             page.shell = Shell(self.work / entry.place.replace("/", "-"))
-        text = converted(page, path.read_text(encoding="utf-8"), self.resolve, self.show)
+        text = self._named(page, converted(page, path.read_text(encoding="utf-8"), self.resolve, self.show))
         if entry.source.startswith("models/"):
             text += self._texts(page, path.parent)
         if entry.place == "explanations/design/README":
@@ -150,13 +153,29 @@ class Site:
             )
         for group in section.groups:
             heading = f"## {group.title}\n\n" if group.title else ""
-            rows = [
-                f"- **[{entry.name}]({relative(f'{entry.place}.md', page)})**  \n  {entry.about}"
-                for entry in group.entries
-            ]
-            parts.append(heading + "\n".join(rows) + "\n")
+            rows = "".join(self._row(page, entry) for entry in group.entries)
+            cards = f'<div class="cards">\n\n{rows}\n</div>\n' if section is GALLERY else rows
+            parts.append(heading + cards)
             parts.append(_toctree([(relative(entry.place, page), entry.name) for entry in group.entries], group.title))
         return "\n".join(parts)
+
+    def _row(self, page: Page, entry: Entry) -> str:
+        """A page in the list of a section, with its picture if it has one."""
+        row = f"- **[{entry.name}]({relative(f'{entry.place}.md', page)})**  \n  {entry.about}\n"
+        picture = PICTURES.get(Path(entry.place).name) if entry.place.startswith("gallery/") else None
+        if picture is None:
+            return row
+        return f"{row}\n  {self.show(Page(ROOT / 'docs' / 'index.md', page.place), entry.name, picture)}\n"
+
+    def _named(self, page: Page, text: str) -> str:
+        """The text with links that name pages as the navigation does, and not as files."""
+
+        def named(found: re.Match[str]) -> str:
+            place = os.path.normpath(Path(page.place).parent / found["place"])
+            name = self._names.get(place, found["file"])
+            return f"[{name}]({found['place']}.md{found['anchor'] or ''})"
+
+        return _FILE_NAME.sub(named, text)
 
     def _texts(self, page: Page, folder: Path) -> str:
         """The programs of a model, whole, each with a link to the playground."""

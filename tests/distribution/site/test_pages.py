@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from distribution.site.contents import SECTIONS
+from distribution.site.contents import PICTURES, SECTIONS, Entry
 from distribution.site.links import complaints
 from distribution.site.markdown import Page, converted
 from distribution.site.pictures import dark, light
@@ -60,6 +60,18 @@ def test_links_lead_to_the_same_as_in_the_repository(site: Site, link: str, lead
     assert converted_page(site, "docs/timing.md", f"See [it](x)\n[it]({link}).\n") == (
         f"See [it](x)\n[it]({leads_to}).\n"
     )
+
+
+def test_links_name_pages_and_not_files(site: Site) -> None:
+    text = site.page(Entry("docs/notation.md", "reference/notation", "", ""))
+    assert "[Drawing](../guides/drawing.md)" in text
+    assert ".md](" not in text
+
+
+def test_every_page_of_the_gallery_has_a_picture() -> None:
+    pages = [Path(entry.place).name for entry in ENTRIES if entry.place.startswith("gallery/")]
+    assert sorted(pages) == sorted(PICTURES)
+    assert [path for path in PICTURES.values() if not (ROOT / "docs" / path).exists()] == []
 
 
 def test_a_program_opens_in_the_playground_and_a_fragment_does_not(site: Site) -> None:
