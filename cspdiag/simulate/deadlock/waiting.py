@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from cspdiag.base.record import record
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
+from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
 from cspdiag.network.relations import end_key
+from cspdiag.network.shapes import element_name
 from cspdiag.semantics.ends import ends_read
 
 
@@ -60,10 +63,28 @@ def broadcast_readers(network: Network) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for net in network.nets:
         if net.kind == "broadcast":
-            ends = found.setdefault(net.path, [])
+            known: dict[tuple[str, End], str] = {}
             for path, key in net.readers:
                 entry = instances[path]
-                body = entry.body if isinstance(entry, ProcessClass) else None
-                own = set() if body is None else {end for end in ends_read(body) if end_key(end) == key}
-                ends += [path] * max(len(own), 1)
+                if isinstance(entry, ProcessClass):
+                    own = () if entry.body is None else ends_read(entry.body)
+                    known |= {(path, end): path for end in own if end_key(end) == key} or {(path, PortEnd(key)): path}
+                else:
+                    # A law reads at an end of its process, which others that run before or after it may share.
+                    around, _, name = path.rpartition(".")
+                    known.setdefault((around, _input(instances[around], name, key)), path)
+            found[net.path] = list(known.values())
     return found
+
+
+def _input(around: ProcessClass[Any] | SubmodelClass, name: str, key: str) -> End:
+    """The end of a process that an input of one of its laws is connected to."""
+    assert isinstance(around, ProcessClass)
+    (law,) = (instance for instance in around.instances if instance.name == name)
+    (end,) = (
+        connection.attachment
+        for connection in law.connections
+        if element_name(connection.port, connection.index) == key
+    )
+    assert isinstance(end, PortEnd | ChannelEnd)
+    return end

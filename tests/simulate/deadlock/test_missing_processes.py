@@ -87,6 +87,19 @@ process Main {
   composition { (c ! 1 ; c ! 2) || (c ? a ; c ? a) || (c ? b ; c ? b) || r || s }
 }
 """
+READ_BY_A_LAW_TOO = """
+submodel L { in c : int out y : int state n : int = 0 next n = n + c y = n }
+process X { out c : int in back : int communication { var v : int } composition { c ! 1 ; c ! 2 ; back ? v } }
+process Y { in c : int out back : int communication { var v : int } composition { c ? v ; back ! v ; c ? v } }
+process T {
+  in c : int
+  communication { var v : int one : L two : L c -> one.c, two.c one.y -> _ two.y -> _ }
+  composition { (c ? v ; one) ; mu two }
+}
+process Main {
+  communication { t : T a : X s : Y a.c -> broadcast -> t.c, s.c s.back -> a.back } composition { t || a || s }
+}
+"""
 RING_OF_ANY = """
 process X { out c : int in back : int communication { var v : int } composition { c ! 1 ; back ? v ; c ! 2 } }
 process Y { in c : int out back : int communication { var v : int } composition { mu (c ? v ; c ? v ; back ! v) } }
@@ -161,6 +174,16 @@ process Main { communication { x : X y : Y z : Y x.c -> any -> y.c, z.c  y.back,
             ],
         ),
         (
+            READ_BY_A_LAW_TOO,
+            [
+                "deadlock at 0 s: 2 processes wait for each other",
+                "  Main.a waits to write Main.a.c (case.csp:7), for Main.s",
+                "  Main.s waits to write Main.s.back (case.csp:8), for Main.a",
+                "besides:",
+                "  Main.t.two waits to read Main.a.c (case.csp:6)",
+            ],
+        ),
+        (
             RING_OF_ANY,
             [
                 "deadlock at 0 s: 2 processes wait for each other",
@@ -184,6 +207,7 @@ process Main { communication { x : X y : Y z : Y x.c -> any -> y.c, z.c  y.back,
         "local any",
         "read by parts",
         "read by parts and others",
+        "read by a law, too",
         "ring of any",
     ],
 )
