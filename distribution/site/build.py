@@ -26,7 +26,7 @@ def main() -> int:
     """Build the site; returns 1, and says why, if something of it is wrong."""
     from sphinx.cmd.build import build_main
 
-    has_playground = (PLAYGROUND / "worker.js").exists()
+    has_playground = all((PLAYGROUND / part).exists() for part in ("index.html", "worker.js", "engine"))
     printer = browser()
     site = Site(SOURCES, BUILD / "site-work", "linked" if has_playground else "absent", has_book=printer is not None)
     try:
@@ -41,7 +41,7 @@ def main() -> int:
     if has_playground:
         shutil.copytree(PLAYGROUND, OUT / "playground")
     else:
-        print("there is no playground: `make studio` makes it, and then programs get links that open them in it")
+        print("there is no playground: `make playground` makes it, and then programs get links that open them in it")
     if printer is not None:
         write_book(OUT, printer)
     else:
