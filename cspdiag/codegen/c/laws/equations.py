@@ -8,8 +8,7 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.text.code import CSP, OR, SUM, Code, address, call, cast, code, infix, negated, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
-from cspdiag.codegen.c.text.names import Names
-from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, in_block, return_if, run, store
+from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, return_if, run, store
 from cspdiag.codegen.shared.laws.equations import Equation
 from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import RealType, is_single
@@ -57,13 +56,8 @@ class EquationWriter:
     def reset(self, target: Code, state: SubmodelState) -> list[Statement]:
         """A state gets its initial value again; after a fault it keeps the present one."""
         evaluation = self.printer.evaluate(state.initial)
-        if not evaluation.faults_inside:
-            return in_block([*evaluation.setup, store(target, evaluation.code)])
-        types = self.printer.types
-        initial = Names({*types.names.globals, "self", "csp", "party"}).fresh("initial")
-        made = define(f"const {types.type_name(state.type)}", initial, evaluation.code)
-        checked = self.check(self.place(state))
-        return in_block([*evaluation.setup, made, *checked, store(target, code(initial))])
+        check = self.check(self.place(state)) if evaluation.faults_inside else []
+        return evaluation.stored(target, self.printer.types.type_name(state.type), check)
 
     def equations(self, equations: Sequence[Equation], target: Callable[[str], Target]) -> list[Statement]:
         """All equations; ``target`` gives the left-hand side for a signal.

@@ -29,7 +29,6 @@ from cspdiag.codegen.c.text.statements import (
     State,
     Statement,
     Wait,
-    define,
     goto,
     goto_if,
     in_block,
@@ -306,11 +305,8 @@ class Writer:
     def assign(self, lvalue: Code, expression: Expression, where: str) -> list[Statement]:
         """``lvalue = expression;`` for a variable, which keeps its value if the expression faults."""
         evaluation = self.printer.evaluate(expression)
-        if not evaluation.faults_inside:
-            fault = [self.raise_noted_fault(where)] if evaluation.faults else []
-            return in_block([*evaluation.setup, *fault, store(lvalue, evaluation.code)])
-        result = define(f"const {self.members.types.type_name(expression.type)}", "csp_result", evaluation.code)
-        return in_block([*evaluation.setup, result, self.raise_noted_fault(where), store(lvalue, "csp_result")])
+        check = [self.raise_noted_fault(where)] if evaluation.faults else []
+        return evaluation.stored(lvalue, self.members.types.type_name(expression.type), check)
 
     def may_fault(self, expression: Expression) -> bool:
         """Whether the evaluation of an expression can note a fault."""

@@ -14,7 +14,7 @@ from cspdiag.codegen.c.text.code import (
     call,
     in_order,
 )
-from cspdiag.codegen.c.text.statements import Statement, define, run
+from cspdiag.codegen.c.text.statements import Statement, define, in_block, run, store
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import Type
 from cspdiag.network.ir.expressions import (
@@ -47,6 +47,13 @@ class Evaluation:
     def faults(self) -> bool:
         """Whether a fault may have been noted once it has been evaluated."""
         return self.faults_inside or bool(self.setup)
+
+    def stored(self, target: Code, type_name: str, check: Sequence[Statement]) -> list[Statement]:
+        """Stores the value, after a ``check`` for faults; after a fault the target keeps what it had."""
+        if not self.faults_inside:
+            return in_block([*self.setup, *check, store(target, self.code)])
+        result = define(f"const {type_name}", "csp_result", self.code)
+        return in_block([*self.setup, result, *check, store(target, "csp_result")])
 
 
 @dataclass
