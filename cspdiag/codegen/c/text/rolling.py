@@ -72,5 +72,5 @@ def _value(first: Count, step: int, begin: int) -> Code:
 
 
 def countable(value: int) -> Code:
-    """An integer argument that may count in a loop."""
+    """An integer argument that may count in a loop; it is not negative, as columns of tables and sums expect."""
     return code(Count(value, "argument"))
