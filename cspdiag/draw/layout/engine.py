@@ -1,4 +1,4 @@
-"""Runs the layout engine, ELK's layered algorithm as JavaScript, in QuickJS or else in node, or by a function that is given.
+"""Runs the layout engine, ELK's layered algorithm as JavaScript, in QuickJS or else in node, or by a given function.
 
 The engine is elkjs, ELK (Eclipse Layout Kernel) compiled to JavaScript; see Schulze, Spönemann, von Hanxleden, "Drawing
 layered graphs with port constraints", JVLC 25 (2014). It is deterministic: the same graph gets the same layout.
