@@ -252,3 +252,29 @@ def test_the_engine_needs_no_package_of_editors() -> None:
     )
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+HELD = """\
+submodel Lag {
+  in  u : double
+  out y : double
+  y = transfer([1.0], [1.0, 2.0, 1.0], u, method = zoh)
+}
+process Main {
+  in  input  : double @ 1 ms
+  out output : double safe 0.0
+  communication {
+    lag : Lag
+    input -> lag.u
+    lag.y -> output
+  }
+  composition { mu lag }
+}
+"""
+
+
+def test_what_an_engine_lacks_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "numpy", None)
+    without = Talk()
+    assert without.ask("check", **program(HELD))["diagnostics"] == []
+    assert "numpy" in without.refused("compile", **program(HELD))

@@ -251,6 +251,10 @@ def test_play_follows_the_clock(player: Player) -> None:
     assert player.engine.due() is None
 
 
+def test_real_time_is_refused(player: Player) -> None:
+    assert "virtual time" in player.refused("start", **program(KNOB), real_time=True)
+
+
 def test_a_fault_of_the_environment_ends_the_session(player: Player) -> None:
     text = KNOB.replace("knob = 1.0", "knob = 1.0 / (0.02 - time / 1<s>)")
     session = player.ask("start", **program(text))["session"]

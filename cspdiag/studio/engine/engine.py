@@ -68,6 +68,9 @@ class Engine:
         except OSError as problem:
             reason = problem.strerror or str(problem)
             return _refusal(number, f"{problem.filename}: {reason}" if problem.filename else reason, None)
+        except ModuleNotFoundError as problem:
+            reason = f"this needs the package {problem.name}, which this engine does not have"
+            return _refusal(number, reason, "cspdiag on a machine has it")
         except (RecursionError, MemoryError):
             return _refusal(number, "the program is too large or too deeply nested for this engine", None)
         except Exception as problem:  # A mistake in cspdiag must not end the page's engine.
@@ -100,8 +103,8 @@ class Engine:
             "able": {
                 "numpy": find_spec("numpy") is not None,
                 "native": False,
-                "devices": self._kind == "machine",
-                "real_time": self._kind == "machine",
+                "devices": False,
+                "real_time": False,
                 "save": False,
             },
             "targets": list(TARGETS),

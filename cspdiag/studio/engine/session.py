@@ -43,6 +43,10 @@ class Session:
         self.number = number
         self._tell = tell
         until = params.get("until")
+        if params.get("real_time"):
+            raise RequestError(
+                "sessions run in virtual time, without devices", "`cspdiag run --real-time` runs with them"
+            )
         built = pipeline.build(
             files.source,
             files.read,
