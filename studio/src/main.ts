@@ -56,8 +56,8 @@ const editor = new Editor(element("editor", HTMLElement), {
   format: () => void format(),
 });
 const generate = new Generate(engine, workspace);
-const saving = new Saving(engine, workspace, tell);
-const showHand = viewers(engine, tell, (controls) => run.control(controls));
+const saving = new Saving(engine, workspace, report);
+const showHand = viewers(engine, report, (controls) => run.control(controls));
 const showPart = tabs(element("parts", HTMLElement), (view) => (layout.dataset["part"] = view));
 const showSide = tabs(element("sides", HTMLElement), (view) => (layout.dataset["side"] = view));
 
@@ -67,7 +67,7 @@ function say(where: HTMLElement, text: string, bad = false): void {
 }
 
 /** Shows a message for some seconds. */
-function tell(text: string): void {
+function report(text: string): void {
   say(message, text);
   quiet();
 }
@@ -108,7 +108,7 @@ async function explain(code: string): Promise<void> {
     element("dialog-body", HTMLElement).replaceChildren(markdown(text));
     dialog.showModal();
   } catch (problem) {
-    tell(inWords(problem));
+    report(inWords(problem));
   }
 }
 
@@ -120,7 +120,7 @@ async function format(): Promise<void> {
       editor.replace(text);
     }
   } catch (problem) {
-    tell(inWords(problem));
+    report(inWords(problem));
   }
 }
 
@@ -145,7 +145,7 @@ async function check(): Promise<void> {
     run.checked(result);
     proofs.show(result.assertions);
   } catch (problem) {
-    tell(inWords(problem));
+    report(inWords(problem));
   }
   checking = false;
   await check();
@@ -153,13 +153,17 @@ async function check(): Promise<void> {
 
 const checkSoon = settled(PAUSE, () => void check());
 
-async function open(program: Program): Promise<void> {
+async function load(program: Program): Promise<void> {
   workspace.open(program);
   editor.clear();
   editor.show(program.main, program.files[program.main] ?? "");
   paintFiles();
   diagram.reset();
   await run.reset();
+}
+
+async function open(program: Program): Promise<void> {
+  await load(program);
   await check();
 }
 
@@ -167,9 +171,9 @@ async function share(): Promise<void> {
   history.replaceState(null, "", await encoded(workspace.program));
   try {
     await navigator.clipboard.writeText(location.href);
-    tell("The link is copied; it holds the whole program.");
+    report("The link is copied; it holds the whole program.");
   } catch {
-    tell("The address of this page now holds the whole program.");
+    report("The address of this page now holds the whole program.");
   }
 }
 
@@ -186,8 +190,10 @@ function offer(known: readonly Model[]): void {
 
 /** Shows a program that another page runs. */
 async function follow(running: Running): Promise<void> {
-  await open({ files: running.files, main: running.main });
+  await load({ files: running.files, main: running.main });
+  // Before anything is requested: the frames of the run arrive already.
   await run.follow(running);
+  await check();
 }
 
 async function opened({ models: known, program, running, able }: Hello): Promise<void> {
@@ -202,7 +208,7 @@ async function opened({ models: known, program, running, able }: Hello): Promise
   try {
     linked = await decoded(location.hash);
   } catch (problem) {
-    tell(inWords(problem));
+    report(inWords(problem));
   }
   const first = linked ?? program ?? known.find((model) => model.name === "jiwy") ?? known[0];
   if (first !== undefined) {
@@ -218,7 +224,7 @@ function listen(): void {
   element("format", HTMLButtonElement).addEventListener("click", () => void format());
   element("dialog-close", HTMLButtonElement).addEventListener("click", () => dialog.close());
   window.addEventListener("hashchange", () => {
-    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program)), (problem: unknown) => tell(inWords(problem)));
+    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program)), (problem: unknown) => report(inWords(problem)));
   });
   window.addEventListener("keydown", (event) => {
     const acts: Record<string, () => void> = {

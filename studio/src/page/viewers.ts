@@ -4,10 +4,10 @@ import { type Engine, inWords } from "../engine/engine";
 import type { HandState } from "../engine/messages";
 import { button, element } from "./dom";
 
-export function viewers(engine: Engine, tell: (text: string) => void, changed: (controls: boolean) => void): (state: HandState) => void {
+export function viewers(engine: Engine, report: (text: string) => void, changed: (controls: boolean) => void): (state: HandState) => void {
   const note = element("hand-note", HTMLElement);
   const take = () => {
-    engine.request("take_hand", {}).catch((problem: unknown) => tell(inWords(problem)));
+    engine.request("take_hand", {}).catch((problem: unknown) => report(inWords(problem)));
   };
   const show = ({ hand }: HandState) => {
     note.hidden = hand;

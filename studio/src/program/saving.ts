@@ -14,7 +14,7 @@ export class Saving {
   constructor(
     private readonly engine: Engine,
     private readonly workspace: Workspace,
-    private readonly tell: (text: string) => void,
+    private readonly report: (text: string) => void,
   ) {
     this.button.addEventListener("click", () => void this.save());
     window.addEventListener("keydown", (event) => {
@@ -45,7 +45,7 @@ export class Saving {
 
   private async save(): Promise<void> {
     if (!this.offered) {
-      this.tell("Here nothing is saved: copy the link, which holds the whole program.");
+      this.report("Here nothing is saved: copy the link, which holds the whole program.");
       return;
     }
     for (const file of this.changed()) {
@@ -53,9 +53,9 @@ export class Saving {
       try {
         await this.engine.request("save", { file, text, before: this.saved[file] ?? "" });
         this.saved[file] = text;
-        this.tell(`${file} is saved.`);
+        this.report(`${file} is saved.`);
       } catch (problem) {
-        this.tell(inWords(problem));
+        this.report(inWords(problem));
       }
     }
     this.paint();

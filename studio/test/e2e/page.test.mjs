@@ -148,14 +148,25 @@ for (const [width, height] of [[390, 844], [1024, 768], [1600, 900]]) {
       const tooWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
       assert.equal(tooWide, false, "the page is wider than the screen");
       await page.evaluate(AXE);
-      const parts = width < 500 ? ["Text", "Diagram", "Run"] : ["Run"];
-      for (const part of parts) {
-        if (width < 500) await page.getByRole("tab", { name: part }).first().click();
+      const check = async (part) => {
         const { violations } = await page.evaluate(() => axe.run());
         const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
         assert.deepEqual(serious.map(({ id, nodes }) => [id, nodes.map((node) => node.html.slice(0, 120))]), [], part);
         await screenshot(page, `${part.toLowerCase()}-${width}-${colorScheme}`);
+      };
+      const parts = width < 500 ? ["Text", "Diagram", "Run"] : ["Run"];
+      for (const part of parts) {
+        if (width < 500) await page.getByRole("tab", { name: part }).first().click();
+        await check(part);
       }
+      await page.getByRole("tab", { name: "Prove" }).click();
+      await page.getByRole("button", { name: "Prove all" }).click();
+      await page.getByRole("button", { name: "Show the counterexample" }).click();
+      await check("Prove");
+      await page.getByRole("tab", { name: "Generate" }).click();
+      await page.getByRole("button", { name: "Generate" }).click();
+      await page.locator("#ui-listing", { hasText: "int main" }).waitFor();
+      await check("Generate");
       assert.deepEqual(page.complaints, []);
       await page.close();
     });

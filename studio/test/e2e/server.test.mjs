@@ -68,6 +68,11 @@ test("of two pages one controls the program, and the other can take control", as
   const second = await open();
   await second.getByText("Another page controls the program.").waitFor();
   assert.equal(await second.locator("#ui-run-button").isDisabled(), true);
+  await first.locator("#ui-run-button").click();
+  for (const page of [first, second]) {
+    await page.locator("#ui-plots .plot").first().waitFor();
+    await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.1);
+  }
   await screenshot(second, "viewer");
   await second.getByRole("button", { name: "Take control" }).click();
   await first.getByText("Another page controls the program.").waitFor();
