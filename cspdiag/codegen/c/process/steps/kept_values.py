@@ -11,6 +11,7 @@ from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import CHANGES, EQUALITY, Code, infix, own
 from cspdiag.codegen.c.text.statements import Remark, Statement, choose, store
 from cspdiag.codegen.shared.laws.following import following_apart, is_looked_up
+from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import SignalValue
@@ -29,6 +30,11 @@ class KeptValues:
     """The lvalues of signals that are kept."""
     changes: Code
     """Which change of parameters the members follow."""
+
+    @property
+    def types(self) -> dict[str, Type]:
+        """Of the signals that ``law`` reads instead of computing them."""
+        return {item.name: item.type for item in (*self.looked_up, *self.equations)}
 
     def statements(self, writer: EquationWriter, target: Callable[[str], Target]) -> list[Statement]:
         """The statements that compute again what has to be; ``target`` is for the signals that are not kept."""

@@ -215,7 +215,7 @@ def _law_statements(writer: Writer, step: ir.RunLaw, check: Check, local: Mappin
         printer=printer,
         place=_place_by(writer),
         check=check,
-        types_of=members.signal_types,
+        types_of=members.signal_types if kept is None else {**members.signal_types, **kept.types},
         local=local,
     )
     writer.add_function(law.functions)
