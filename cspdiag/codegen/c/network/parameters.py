@@ -8,7 +8,7 @@ from functools import cached_property
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import Check, EquationWriter
 from cspdiag.codegen.c.laws.laws import body_name
-from cspdiag.codegen.c.text.code import CSP, Aggregate, Code, address, call, cast, code, ignored, own
+from cspdiag.codegen.c.text.code import CSP, Aggregate, Call, Code, address, call, cast, code, ignored, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
@@ -27,6 +27,7 @@ from cspdiag.codegen.c.text.statements import (
     store,
 )
 from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.network import Network, ProgramParameter
 
@@ -106,11 +107,14 @@ class ParameterText:
         """The functions that set them, and the values of the text."""
         if not self.own:
             return []
+        follow = self._follow()
+        # Numbers that are not real, from which nothing follows, are never refused.
+        can_refuse = any(isinstance(part, Call) and part.function == "refuse" for part in nodes(follow.body))
         rows = [
             *lines([Remark("The values of the text."), self._defaults(), Blank()]),
-            *lines([self._refuse(), Blank()]),
+            *lines([self._refuse(), Blank()] if can_refuse else []),
             *lines([Remark("Tests the parameters, and computes what follows from them; false: they are refused.")]),
-            *lines([self._follow(), Blank(), self._set(), Blank(), *self._set_any()]),
+            *lines([follow, Blank(), self._set(), Blank(), *self._set_any()]),
         ]
         return [*rows, ""]
 
