@@ -10,7 +10,7 @@ import { WebSocketServer } from "ws";
 
 const ROOT = path.join(import.meta.dirname, "..");
 const PYTHON = path.join(ROOT, "../.venv/bin/python");
-const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".mjs": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
 
 async function page(request, response) {
   const { pathname } = new URL(request.url, "http://localhost");
