@@ -3,7 +3,7 @@
 import type { Connect } from "./engine";
 
 export const worker: Connect = (receive, lost) => {
-  const there = new Worker("worker.js");
+  const there = new Worker("worker.js", { type: "module" });
   there.addEventListener("message", (event: MessageEvent<unknown>) => receive(event.data));
   there.addEventListener("error", (event) => {
     event.preventDefault();

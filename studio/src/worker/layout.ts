@@ -33,12 +33,10 @@ function start(load: () => void): (message: object) => unknown {
   const later = (job: () => void): number => jobs.push(job);
   const nothing = (): void => undefined;
   const module: { exports: { Worker?: new () => Worker } } = { exports: {} };
-  const surroundings = Object.create(globalThis, {
-    setTimeout: { value: later },
-    setInterval: { value: later },
-    clearTimeout: { value: nothing },
-    clearInterval: { value: nothing },
-  }) as object;
+  // Not derived from the global object of a worker, whose properties refuse to be read through another object.
+  const own = Object.getOwnPropertyNames(globalThis).map((name) => [name, (globalThis as Record<string, unknown>)[name]]);
+  const timers = { setTimeout: later, setInterval: later, clearTimeout: nothing, clearInterval: nothing };
+  const surroundings: object = { ...(Object.fromEntries(own) as Record<string, unknown>), ...timers };
   const console = { log: nothing, warn: nothing, error: nothing };
   define(module, module.exports, surroundings, surroundings, surroundings, undefined, console, later, later, nothing, nothing);
   if (module.exports.Worker === undefined) {

@@ -5,7 +5,6 @@ import { loadPython, type PythonEngine } from "./python";
 
 interface Scope {
   location: { href: string };
-  importScripts: (url: string) => void;
   onmessage: ((event: { data: unknown }) => void) | null;
   postMessage: (message: unknown) => void;
 }
@@ -36,7 +35,10 @@ async function main(): Promise<void> {
   const early: unknown[] = [];
   scope.onmessage = (event) => early.push(event.data);
   try {
-    const engine = await loadPython(base, layoutRunner(() => scope.importScripts(`${base}elk.js`)), (message) => scope.postMessage(message));
+    // A worker that is a module, as Pyodide needs it, has no importScripts: the layout engine is there from the beginning.
+    const laidOut = import(`${base}elk.js`);
+    const engine = await loadPython(base, layoutRunner(() => undefined), (message) => scope.postMessage(message));
+    await laidOut;
     proceed(engine);
   } catch (problem) {
     const reason = problem instanceof Error ? problem.message : String(problem);

@@ -9,7 +9,6 @@ const build = new URL("../../build/", import.meta.url);
 const code = (url) => readFileSync(fileURLToPath(url), "utf8");
 globalThis.self = globalThis;
 globalThis.location = { href: new URL("worker.js", build).href };
-globalThis.importScripts = (url) => runInThisContext(code(url));
 globalThis.fetch = async (url) => new Response(readFileSync(fileURLToPath(url)));
 globalThis.postMessage = (message) => process.stdout.write(`${JSON.stringify(message)}\n`);
 runInThisContext(code(new URL("worker.js", build)), {
