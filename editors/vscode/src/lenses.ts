@@ -19,3 +19,15 @@ export function outcome(output: string, environment: string): string {
   const start = line.indexOf(` in ${environment}: `);
   return /^\w+$/.test(line.slice(0, Math.max(start, 0))) ? line.slice(start + ` in ${environment}: `.length) : line;
 }
+
+/** What a run of a text said. */
+export interface Result {
+  /** The text that was run. */
+  text: string;
+  outcome: string;
+}
+
+/** The title of the lens of a run, above the text as it is now. */
+export function titleOf({ text, outcome }: Result, now: string): string {
+  return text === now ? outcome : `before the change: ${outcome}`;
+}

@@ -5,26 +5,37 @@ import type { LanguageClient, Middleware } from "vscode-languageclient/node";
 
 type Handler = NonNullable<Middleware["handleWorkDoneProgress"]>;
 
-/** Shows what can be cancelled as a notification: by itself the client shows it in the status bar, without a button. */
-export function cancellable(client: () => LanguageClient | undefined): Handler {
-  const ends = new Map<string | number, () => void>();
-  return (token, params, next) => {
+export class Work {
+  private readonly ends = new Map<string | number, () => void>();
+
+  constructor(private readonly client: () => LanguageClient | undefined) {}
+
+  /** Shows what can be cancelled as a notification: by itself the client shows it in the status bar, without a button. */
+  readonly show: Handler = (token, params, next) => {
     if (params.kind === "begin" && params.cancellable === true) {
       const options = { location: vscode.ProgressLocation.Notification, title: params.title, cancellable: true };
-      const end = new Promise<void>((resolve) => ends.set(token, resolve));
+      const end = new Promise<void>((resolve) => this.ends.set(token, resolve));
       void vscode.window.withProgress(options, (progress, cancelled) => {
         progress.report(params.message === undefined ? {} : { message: params.message });
         cancelled.onCancellationRequested(() => {
-          void client()?.sendNotification("window/workDoneProgress/cancel", { token });
+          void this.client()?.sendNotification("window/workDoneProgress/cancel", { token });
         });
         return end;
       });
       return;
     }
     if (params.kind === "end") {
-      ends.get(token)?.();
-      ends.delete(token);
+      this.ends.get(token)?.();
+      this.ends.delete(token);
     }
     next(token, params);
   };
+
+  /** The server has ended: nothing is under way any more, and it cannot say so. */
+  serverEnded(): void {
+    for (const end of this.ends.values()) {
+      end();
+    }
+    this.ends.clear();
+  }
 }

@@ -6,7 +6,8 @@ import { mkdtemp } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import * as path from "node:path";
 import * as vscode from "vscode";
-import { brief, outcome } from "./lenses";
+import type { Result } from "./lenses";
+import { brief, outcome, titleOf } from "./lenses";
 
 /** How a run ended: its exit code (null if it was stopped), and what it printed. */
 interface Ended {
@@ -16,26 +17,15 @@ interface Ended {
 
 export class Runs implements vscode.Disposable {
   /** For each document, what the last run of each environment said. */
-  private readonly results = new Map<string, Map<string, string>>();
+  private readonly results = new Map<string, Map<string, Result>>();
   private readonly changed = new vscode.EventEmitter<void>();
   /** Lenses have other titles. */
   readonly onDidChange = this.changed.event;
-  private readonly disposables = [
-    this.changed,
-    vscode.workspace.onDidChangeTextDocument(({ document, contentChanges }) => {
-      // A result belongs to the text that was run.
-      if (contentChanges.length > 0) {
-        this.results.delete(document.uri.toString());
-      }
-    }),
-  ];
 
   constructor(private readonly output: vscode.LogOutputChannel) {}
 
   dispose(): void {
-    for (const each of this.disposables) {
-      each.dispose();
-    }
+    this.changed.dispose();
   }
 
   /** The lenses of a document, with a further one for each result. */
@@ -50,7 +40,7 @@ export class Runs implements vscode.Disposable {
       if (result === undefined || lens.command?.command !== "cspdiag.plot") {
         return [lens];
       }
-      return [lens, new vscode.CodeLens(lens.range, { ...brief(result), command: "cspdiag.showOutput" })];
+      return [lens, new vscode.CodeLens(lens.range, { ...brief(titleOf(result, document.getText())), command: "cspdiag.showOutput" })];
     });
   }
 
@@ -61,6 +51,7 @@ export class Runs implements vscode.Disposable {
       void vscode.window.showErrorMessage(`${uri.fsPath} was not run: it could not be saved.`);
       return;
     }
+    const text = document.getText();
     const time = vscode.workspace.getConfiguration("cspdiag").get("run.for", "20 s");
     const args = ["run", uri.fsPath, "--environment", environment, "--color", "never"];
     if (time.trim() !== "") {
@@ -74,7 +65,7 @@ export class Runs implements vscode.Disposable {
       { location: vscode.ProgressLocation.Notification, title: `Running ${environment}`, cancellable: true },
       (_, token) => execute(cspdiag, args, path.dirname(uri.fsPath), token),
     );
-    this.keep(uri, environment, ended);
+    this.keep(uri, environment, text, ended);
     if (figure === undefined) {
       return;
     }
@@ -95,11 +86,11 @@ export class Runs implements vscode.Disposable {
     }
   }
 
-  private keep(uri: vscode.Uri, environment: string, ended: Ended): void {
+  private keep(uri: vscode.Uri, environment: string, text: string, ended: Ended): void {
     this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
     const key = uri.toString();
-    const known = this.results.get(key) ?? new Map<string, string>();
-    known.set(environment, ended.status === null ? "stopped" : outcome(ended.output, environment));
+    const known = this.results.get(key) ?? new Map<string, Result>();
+    known.set(environment, { text, outcome: ended.status === null ? "stopped" : outcome(ended.output, environment) });
     this.results.set(key, known);
     this.changed.fire();
   }

@@ -11,7 +11,8 @@ import { expanded, find } from "./find";
 import { install, REQUIREMENT } from "./install";
 import type { Problem } from "./probe";
 import { problemOf } from "./probe";
-import { cancellable } from "./progress";
+import { Work } from "./progress";
+import { INTERRUPTED, Proofs } from "./proofs";
 import { Restarts } from "./restarts";
 import type { Runs } from "./run";
 import type { Way } from "./trouble";
@@ -22,6 +23,8 @@ export class Server implements vscode.Disposable {
   private client: LanguageClient | undefined;
   private found: Found | undefined;
   private starting: Promise<void> | undefined;
+  private readonly proofs = new Proofs();
+  private readonly work = new Work(() => this.running);
   /** What keeps the server from running. */
   readonly trouble = new Trouble();
   private readonly changed = new vscode.EventEmitter<LanguageClient | undefined>();
@@ -73,6 +76,7 @@ export class Server implements vscode.Disposable {
     const client = this.client;
     this.client = undefined;
     this.found = undefined;
+    this.ended();
     this.changed.fire(undefined);
     if (client?.needsStop() === true) {
       await client.stop().catch((problem: unknown) => {
@@ -92,6 +96,12 @@ export class Server implements vscode.Disposable {
     if (await install(this.environment())) {
       await this.restart();
     }
+  }
+
+  /** What the server was doing has ended with it. */
+  private ended(): void {
+    this.proofs.serverEnded();
+    this.work.serverEnded();
   }
 
   private async started(): Promise<void> {
@@ -129,16 +139,22 @@ export class Server implements vscode.Disposable {
         outputChannel: this.output,
         middleware: {
           provideCodeLenses: async (document, token, next) =>
-            this.runs.withResults(document, (await next(document, token)) ?? []),
-          handleWorkDoneProgress: cancellable(() => this.running),
-          // A proof may run parts of the program.
-          executeCommand: async (command, given, next) =>
-            command !== "cspdiag.verify" || (await isTrusted("proved")) ? (next(command, given) as unknown) : undefined,
+            this.runs.withResults(document, this.withInterrupted(document, (await next(document, token)) ?? [])),
+          handleWorkDoneProgress: this.work.show,
+          executeCommand: async (command, given, next) => {
+            const ask = async () => (await next(command, given)) as unknown;
+            if (command !== VERIFY) {
+              return ask();
+            }
+            // A proof may run parts of the program.
+            return (await isTrusted("proved")) ? this.proofs.during(assertionAt(given as [string, number]), ask) : undefined;
+          },
         },
         synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.csp") },
         errorHandler: {
           error: () => ({ action: ErrorAction.Continue, handled: true }),
           closed: () => {
+            this.ended();
             const { again, say } = restarts.ended();
             this.output.error(`the server has ended by itself${again ? ", and is started again" : ""}`);
             if (say) {
@@ -166,6 +182,17 @@ export class Server implements vscode.Disposable {
       this.client = undefined;
       this.tell(`The cspdiag server did not start: ${String(problem)}`, [AGAIN, OUTPUT]);
     }
+  }
+
+  /** The lenses of a document; those of interrupted proofs say so. */
+  private withInterrupted(document: vscode.TextDocument, lenses: vscode.CodeLens[]): vscode.CodeLens[] {
+    for (const lens of lenses) {
+      const { command } = lens;
+      if (command?.command === VERIFY && this.proofs.wasInterrupted(assertionOn(document, lens.range.start.line))) {
+        lens.command = { ...command, title: INTERRUPTED };
+      }
+    }
+    return lenses;
   }
 
   /** Says what keeps the server from running. */
@@ -226,6 +253,19 @@ function isFile(file: string): boolean {
   } catch {
     return false;
   }
+}
+
+/** The server's command for proofs: its arguments are the URI of a file and the line of an assertion, from 0. */
+const VERIFY = "cspdiag.verify";
+
+function assertionAt([uri, line]: [string, number]): string {
+  const document = vscode.workspace.textDocuments.find((each) => each.uri.toString() === vscode.Uri.parse(uri).toString());
+  return document === undefined ? "" : assertionOn(document, line);
+}
+
+/** What an assertion is known by: lines may be added before it. A lens may be of a longer text than that of now. */
+function assertionOn(document: vscode.TextDocument, line: number): string {
+  return `${document.uri.toString()} ${line < document.lineCount ? document.lineAt(line).text.trim() : ""}`;
 }
 
 const INSTALL: Way = { title: "Install…", command: "cspdiag.install" };

@@ -31,6 +31,11 @@ const FAULT = `process Divider {
 environment Bench for Divider { y -> _ }
 `;
 
+/** Runs for some seconds. */
+const COUNT = `process Counter { communication { var n : int = 0 } composition { mu (n := n + 1 ; wait 1 us) } }
+environment Bench for Counter { }
+`;
+
 const TABLE = readFileSync(path.join(MODELS, "dining/table.csp"), "utf8");
 const SLOW = `${TABLE.replace("seats = 5", "seats = 120")}\nassert Table deadlock free\n`;
 
@@ -51,7 +56,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP, "half.csp": HALF, "crossed.csp": CROSSED, "fault.csp": FAULT, "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const files = { "slip.csp": SLIP, "half.csp": HALF, "crossed.csp": CROSSED, "fault.csp": FAULT, "count.csp": COUNT, "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
   editor = await Editor.start({ files, folder: "my project #1" });
 });
@@ -186,6 +191,36 @@ step("a proof that takes long is shown, and can be cancelled", async () => {
   await shown.locator("a.monaco-button", { hasText: "Cancel" }).click();
   await shown.waitFor({ state: "hidden" });
   await editor.page.locator(".codelens-decoration a", { hasText: /^Verify$/ }).waitFor();
+});
+
+step("a proof ends with the server, and its lens says so", async () => {
+  await editor.open("slow.csp");
+  await editor.goTo(SLOW.split("\n").length - 1);
+  const ends = [
+    () => editor.command("cspdiag: Restart Server"),
+    () => editor.servers().forEach((each) => process.kill(each, "SIGKILL")),
+  ];
+  for (const end of ends) {
+    await editor.page.locator(".codelens-decoration a", { hasText: "Verify" }).click();
+    const shown = await editor.notification("Verifying `assert Table deadlock free`");
+    await end();
+    await shown.waitFor({ state: "hidden" });
+    await editor.page.locator(".codelens-decoration a", { hasText: "Verify again (interrupted)" }).waitFor();
+  }
+  assert.equal(await editor.page.locator(".notification-list-item", { hasText: "Canceled" }).count(), 0);
+});
+
+step("the result of a run says that the text was changed while it ran", async () => {
+  await editor.open("count.csp", 2);
+  await editor.page.locator(".codelens-decoration a", { hasText: "Run" }).first().click();
+  const running = await editor.notification("Running Bench");
+  await editor.goTo(1);
+  await editor.page.keyboard.type(" ");
+  await running.locator("a.monaco-button", { hasText: "Cancel" }).click();
+  await editor.page.locator(".codelens-decoration", { hasText: "before the change: stopped" }).waitFor();
+  await editor.page.locator(".monaco-editor").first().locator(".view-line").first().click();
+  await editor.page.keyboard.press("Control+z");
+  await editor.page.locator(".codelens-decoration", { hasText: /^Run.*Plot.*stopped$/ }).waitFor();
 });
 
 step("a counterexample is stepped through in the diagram", async () => {
