@@ -102,7 +102,8 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
             assert isinstance(expression.type, IntType | RealType)
             return arithmetic.convert(value(expression.operand), expression.type)
         case FieldValue():
-            assert isinstance(expression.operand.type, StructType)
+            if not isinstance(expression.operand.type, StructType):
+                raise NoValueError  # The constant was refused, and has no type.
             names = [name for name, _ in expression.operand.type.fields]
             return value(expression.operand)[names.index(expression.field)]
         case ElementValue():

@@ -29,7 +29,8 @@ def without_dead_values(entry: ProcessClass, unwritten: frozenset[str]) -> Proce
     """
     values = _Values(entry, unwritten)
     used = values.used
-    own = {state.name for state in entry.states}
+    live = tuple(s for s in entry.states if (SignalValue, s.name) in used or values.may_fault(s.initial))
+    dead = {state.name for state in entry.states} - {state.name for state in live}
 
     def change(item: Any) -> Any:
         match item:
@@ -38,7 +39,7 @@ def without_dead_values(entry: ProcessClass, unwritten: frozenset[str]) -> Proce
             case AssignValue() if (VariableValue, item.target.channel) not in used and not values.has_effect(item):
                 return SkipStep(span=item.span)
             case ResetStates():
-                states = tuple(name for name in item.states if name not in own or (SignalValue, name) in used)
+                states = tuple(name for name in item.states if name not in dead)
                 return changed(item, states=states) if states else SkipStep(span=item.span)
             case SequentialSteps() if any(isinstance(step, SkipStep) for step in item.steps):
                 return in_sequence(item.steps, item)
@@ -49,7 +50,7 @@ def without_dead_values(entry: ProcessClass, unwritten: frozenset[str]) -> Proce
         entry,
         body=rewritten(entry.body, change),
         constants=tuple(c for c in entry.constants if (SignalValue, c.name) in used or values.may_fault(c.value)),
-        states=tuple(s for s in entry.states if (SignalValue, s.name) in used or values.may_fault(s.initial)),
+        states=live,
     )
 
 
