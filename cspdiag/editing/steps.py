@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from cspdiag.base.span import Span
-from cspdiag.draw.deadlock.marks import StuckProcess, marks_beside, surroundings
+from cspdiag.draw.deadlock.marks import StuckProcess, marks_beside, path_around, surroundings
+from cspdiag.draw.deadlock.steps import steps_beside
+from cspdiag.draw.elements.composition import CompositionDiagram
+from cspdiag.draw.elements.read_composition import composition_diagram
 from cspdiag.model.program import Program
 from cspdiag.network.ir.network import CoreNetwork
-from cspdiag.proofs.counterexamples.counterexample import Counterexample
+from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
 from cspdiag.proofs.counterexamples.table import event_text
+from cspdiag.syntax import ast
 from cspdiag.verify.deadlock_picture import deadlock_shown_by
 
 MOST_STEPS = 200
@@ -20,44 +23,76 @@ MOST_STEPS = 200
 def steps_shown(program: Program, found: Counterexample, network: CoreNetwork | None) -> list[dict[str, Any]]:
     """The steps that diagrams show, and the end, as objects of JSON.
 
-    Each has a ``text``, the ``process`` in whose communication diagram it happens, and the keys of the elements that
-    are ``communicating`` or ``waiting``.
+    Each has a ``text``, the ``process`` in whose diagrams it happens, and the keys of the elements of both diagrams
+    that are ``communicating`` or ``waiting``.
     """
-    declared = {} if network is None else {net.path: net.span for net in network.nets}
     deadlock = deadlock_shown_by(found, network)
     waiting = () if deadlock is None else (*deadlock.cycle, *deadlock.besides)
-    steps = list(_communications(program, found, waiting, declared))
-    end = surroundings(program, found.process, waiting, declared) if waiting else None
-    if end is not None:
-        words = "; ".join(f"{each.path.partition('.')[2] or each.path} waits {each.words}" for each in waiting)
-        steps.append({"process": end[0].key, "text": words, "communicating": [], "waiting": list(end[1])})
-    return steps
+    shown = _Shown(program, found, waiting, network)
+    return [*shown.communications(), *shown.end()]
 
 
-def _communications(
-    program: Program, found: Counterexample, waiting: Sequence[StuckProcess], declared: Mapping[str, Span]
-) -> Iterator[dict[str, Any]]:
-    """The steps that are shown; a process waits to the end from the step on that follows its last one."""
-    top = found.process
-    last = {
-        party.path or f"{top}.{party.name}": number for number, step in enumerate(found.steps) for party in step.parties
-    }
-    shown = [(number, step) for number, step in enumerate(found.steps) if step.shown]
-    for number, step in shown[:MOST_STEPS]:
-        channels = (step.channel,) if step.channel else ()
-        parties = [
-            StuckProcess(party.path or f"{top}.{party.name}", party.words, channels=channels) for party in step.parties
-        ]
-        place = surroundings(program, top, parties, declared) if parties else None
-        if place is not None:
-            diagram, communicating = place
-            already = [each for each in waiting if last.get(each.path, -1) < number]
+class _Shown:
+    """The steps of one counterexample, which ends with processes ``waiting``."""
+
+    def __init__(
+        self, program: Program, found: Counterexample, waiting: Sequence[StuckProcess], network: CoreNetwork | None
+    ) -> None:
+        self._program = program
+        self._found = found
+        self._waiting = waiting
+        self._declared = {} if network is None else {net.path: net.span for net in network.nets}
+        self._compositions: dict[str, CompositionDiagram] = {}
+
+    def communications(self) -> Iterator[dict[str, Any]]:
+        """The steps that are shown; a process waits to the end from the step on that follows its last one."""
+        top = self._found.process
+        last = {
+            party.path: number for number, step in enumerate(self._found.steps) for party in _parties(step, top, ())
+        }
+        shown = [(number, step) for number, step in enumerate(self._found.steps) if step.shown]
+        for number, step in shown[:MOST_STEPS]:
+            parties = _parties(step, top, (step.channel,) if step.channel else ())
+            place = surroundings(self._program, top, parties, self._declared) if parties else None
+            if place is None:
+                continue
+            diagram, marks = place
+            already = [each for each in self._waiting if last.get(each.path, -1) < number]
+            beside = marks_beside(diagram, parties, already, self._declared)
+            path = path_around(parties)
+            communicating = [*marks, *self._composed(diagram.key, path, parties)]
+            waiting = [*beside, *self._composed(diagram.key, path, already)]
             alone = f" of {step.parties[0].name}" if len(step.parties) == 1 else ""
             yield {
                 "process": diagram.key,
                 "text": f"{event_text(step, top)}{alone}",
-                "communicating": list(communicating),
-                "waiting": [
-                    key for key in marks_beside(diagram, parties, already, declared) if key not in communicating
-                ],
+                "communicating": communicating,
+                "waiting": [key for key in waiting if key not in communicating],
             }
+
+    def end(self) -> Iterator[dict[str, Any]]:
+        """Which processes wait, if any do."""
+        waiting = self._waiting
+        place = surroundings(self._program, self._found.process, waiting, self._declared) if waiting else None
+        if place is not None:
+            diagram, marks = place
+            words = "; ".join(f"{each.path.partition('.')[2] or each.path} waits {each.words}" for each in waiting)
+            keys = [*marks, *self._composed(diagram.key, path_around(waiting), waiting)]
+            yield {"process": diagram.key, "text": words, "communicating": [], "waiting": keys}
+
+    def _composed(self, name: str, path: str, processes: Sequence[StuckProcess]) -> list[str]:
+        """The elements of the composition of a definition, that of the process at a path, which concern processes."""
+        definition = self._program.definitions.get(name)
+        if not isinstance(definition, ast.ProcessDefinition):
+            return []
+        if name not in self._compositions:
+            self._compositions[name] = composition_diagram(self._program.definitions, definition)
+        # Pictures have elements of both diagrams, and those of compositions begin with this.
+        return [f"step-{key}" for key in steps_beside(self._compositions[name], path, processes)]
+
+
+def _parties(step: Step, top: str, channels: tuple[str, ...]) -> list[StuckProcess]:
+    return [
+        StuckProcess(each.path or f"{top}.{each.name}", each.words, channels=channels, span=each.span)
+        for each in step.parties
+    ]

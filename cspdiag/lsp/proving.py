@@ -8,12 +8,15 @@ import pickle
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any, assert_never
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.parent import end_with_input
 from cspdiag.base.span import SourceFile
 from cspdiag.editing.proved import Proved
+
+if TYPE_CHECKING:
+    from cspdiag.proofs.answers.answer import Answer
 
 TIME_LIMIT = 60.0
 """Seconds for each assertion, as for ``cspdiag verify``."""
@@ -76,7 +79,6 @@ def answer(request: Mapping[str, object]) -> None:
 def _answers(request: Mapping[str, object]) -> list[Proved] | str:
     from cspdiag.editing.steps import steps_shown
     from cspdiag.pipeline import proof_obligations
-    from cspdiag.proofs.answers.answer import Answer
     from cspdiag.proofs.answers.findings import diagnostic_of
     from cspdiag.proofs.verdict import Limits
     from cspdiag.verify.confirm import Verifier
@@ -115,14 +117,21 @@ def _answers(request: Mapping[str, object]) -> list[Proved] | str:
         network = obligations.network(answer.question.process)
         return tuple(steps_shown(program, answer.counterexample, network))
 
-    words = {"proved": "Proved", "refuted": "Refuted", "unknown": "Not proved"}
-    found = [(each, diagnostic_of(each)) for each in answers]
-    return [
-        Proved(
-            each.question.span.start,
-            f"{words[each.outcome]}: {each.reason if diagnostic is None else diagnostic.message}",
-            diagnostic,
-            steps(each),
-        )
-        for each, diagnostic in found
-    ]
+    return [Proved(each.question.span.start, title_of(each), diagnostic_of(each), steps(each)) for each in answers]
+
+
+def title_of(answer: Answer) -> str:
+    """An answer in a sentence."""
+    from cspdiag.proofs.answers.findings import diagnostic_of
+
+    found = diagnostic_of(answer)
+    match answer.outcome:
+        case "proved":
+            return f"Proved: {answer.reason}"
+        case "refuted":
+            return f"Refuted: {answer.reason if found is None else found.message}"
+        case "unknown":
+            # The message of the diagnostic says again that it is not proved.
+            return f"Not proved: {answer.reason}"
+        case _:
+            assert_never(answer.outcome)

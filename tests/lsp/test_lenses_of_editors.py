@@ -13,9 +13,12 @@ from types import SimpleNamespace
 import pytest
 from lsprotocol import types
 
+from cspdiag.base.span import SourceFile, Span
 from cspdiag.lsp.features.lenses import PLOT, RUN, STEP, commands_of, lenses
-from cspdiag.lsp.proving import prove
+from cspdiag.lsp.proving import prove, title_of
 from cspdiag.lsp.session import Session
+from cspdiag.proofs.answers.answer import Answer
+from cspdiag.proofs.answers.question import Question
 
 CROSSED = """process Left { out a : int in b : int communication { var x : int } composition { a ! 1 ; b ? x } }
 process Right { in a : int out b : int communication { var x : int } composition { a ? x ; b ! 2 ; a ? x } }
@@ -83,7 +86,7 @@ async def test_a_process_that_waits_to_the_end_does_so_in_each_step_after_its_la
     session, uri = Session(), (tmp_path / "early.csp").as_uri()
     view = session.view(session.documents.open(uri, STUCK_EARLY, 1))
     (answer,) = await prove(view.main, {}, STUCK_EARLY.index("assert"))
-    early = {"early", "right.go -> early.go", "early.go", "right.go"}
+    early = {"early", "right.go -> early.go", "early.go", "right.go", "step-1.1"}
     assert [(each["text"], set(each["waiting"])) for each in answer.steps] == [
         ("wait 9 ms of left", set()),
         ("right.go 1", set()),
@@ -92,7 +95,7 @@ async def test_a_process_that_waits_to_the_end_does_so_in_each_step_after_its_la
         ("right.b 2", early),
         (
             "early waits to read right.go; right waits to read left.a",
-            early | {"right", "left.a -> right.a", "left.a", "right.a"},
+            early | {"right", "left.a -> right.a", "left.a", "right.a", "step-1.3"},
         ),
     ]
 
@@ -107,14 +110,59 @@ async def test_the_steps_of_a_counterexample_have_the_keys_of_the_diagram(tmp_pa
         (each["process"], each["text"], set(each["communicating"]) - ports, set(each["waiting"]) - ports)
         for each in answer.steps
     ]
-    a, b = {"left", "right", "left.a -> right.a"}, {"left", "right", "right.b -> left.b"}
+    both = {"left", "right", "step-1.1", "step-1.2"}
+    a, b = both | {"left.a -> right.a"}, both | {"right.b -> left.b"}
     assert steps == [
         ("Main", "left.a 1", a, set()),
         ("Main", "right.b 2", b, set()),
-        ("Main", "right waits to read left.a", set(), {"right", "left.a -> right.a"}),
+        ("Main", "right waits to read left.a", set(), {"right", "left.a -> right.a", "step-1.2"}),
     ]
     view.answers[answer.start] = answer
     assert titles(session, uri, frozenset({STEP}))[1:] == ["13 Step through"]
+
+
+CELLS = """process Cell { in a : int out b : int communication { var x : int } composition { a ? x ; b ! x ; a ? x } }
+process Main {
+  communication {
+    var y : int
+    cell[2] : Cell
+    channel go : int
+    channel back : int
+    go -> cell[1].a
+    cell[1].b -> cell[0].a
+    cell[0].b -> back
+  }
+  composition { cell[0] || cell[1] || (go ! 1 ; back ? y) }
+}
+assert Main deadlock free
+"""
+
+
+@pytest.mark.asyncio
+async def test_a_step_is_in_the_composition_where_its_processes_are_run_and_where_the_process_itself_is(
+    tmp_path: Path,
+) -> None:
+    session, uri = Session(), (tmp_path / "cells.csp").as_uri()
+    view = session.view(session.documents.open(uri, CELLS, 1))
+    (answer,) = await prove(view.main, {}, CELLS.index("assert"))
+
+    def composed(keys: list[str]) -> set[str]:
+        return {key for key in keys if key.startswith("step-")}
+
+    steps = [(each["text"], composed(each["communicating"]), composed(each["waiting"])) for each in answer.steps]
+    sender, receiver, first, second = "step-1.3.1", "step-1.3.2", "step-1.1", "step-1.2"
+    assert steps == [
+        ("go 1", {sender, second}, set()),
+        ("cell[1].b 1", {second, first}, set()),
+        ("back 1", {first, receiver}, {second}),
+        ("cell[0] waits to read cell[1].b; cell[1] waits to read go", set(), {first, second}),
+    ]
+
+
+def test_a_lens_says_once_that_nothing_was_proved() -> None:
+    question = Question("Big", "terminates", Span(SourceFile(name="big.csp", text="assert Big terminates"), 0, 21))
+    answer = Answer(question, "unknown", None, "a limit was reached", 1.0)
+    assert title_of(answer) == "Not proved: a limit was reached"
 
 
 LONG = """\

@@ -53,12 +53,13 @@ def surroundings(
     order; None if there is no such process. ``declared`` has the places in the text at which channels are declared, by
     their full names: it distinguishes relationships that begin at elements of one array.
     """
-    prefix = _common([tuple(each.path.split(".")) for each in waiting])
-    definition = definition_at(program, prefix) if prefix and prefix[0] == top else None
+    path = path_around(waiting)
+    prefix = path.split(".")
+    definition = definition_at(program, prefix) if prefix[0] == top else None
     if definition is None or definition.communication is None:
         return None
     diagram = communication_diagram(program, Facts(program), definition)
-    return diagram, _marks(diagram, ".".join(prefix), waiting, declared)
+    return diagram, _marks(diagram, path, waiting, declared)
 
 
 def marks_beside(
@@ -68,15 +69,16 @@ def marks_beside(
     declared: Mapping[str, Span] = EMPTY,
 ) -> dict[str, Mark]:
     """Marks on the ``waiting`` processes that are in the diagram of the ``surroundings`` of some others."""
-    prefix = ".".join(_common([tuple(each.path.split(".")) for each in processes]))
+    prefix = path_around(processes)
     return _marks(diagram, prefix, [each for each in waiting if each.path.startswith(f"{prefix}.")], declared)
 
 
-def _common(paths: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
-    """The common beginning of the paths, without the last part of each."""
+def path_around(processes: Sequence[StuckProcess]) -> str:
+    """The path of the process of the ``surroundings``; empty if there is none."""
+    paths = [tuple(each.path.split(".")) for each in processes]
     holders = [path[:-1] or path for path in paths]
     common = takewhile(lambda parts: len(set(parts)) == 1, zip(*holders, strict=False))
-    return tuple(part for part, *_ in common)
+    return ".".join(part for part, *_ in common)
 
 
 def definition_at(program: Program, path: Sequence[str]) -> ast.ProcessDefinition | None:
@@ -152,12 +154,12 @@ def _declaring(diagram: CommunicationDiagram, place: Span | None) -> str | None:
 
 def may_carry(arrow: Arrow, channel: str) -> bool:
     """Whether a channel may be that of an arrow: by its label, or by an end whose indexes do not contradict."""
-    return any(_may_be(str(name), channel) for name in (arrow.label, *arrow.sources, *arrow.sinks) if name is not None)
+    return any(may_be(str(name), channel) for name in (arrow.label, *arrow.sources, *arrow.sinks) if name is not None)
 
 
-def _may_be(written: str, channel: str) -> bool:
+def may_be(written: str, name: str) -> bool:
     """Whether ``node[2 * i].y`` may be ``node[0].y``: a label is written without its indexes."""
-    if _INDEX.sub("", written) != _INDEX.sub("", channel):
+    if _INDEX.sub("", written) != _INDEX.sub("", name):
         return False
-    pairs = zip(_INDEX.findall(written), _INDEX.findall(channel), strict=False)
+    pairs = zip(_INDEX.findall(written), _INDEX.findall(name), strict=False)
     return all(one == other for one, other in pairs if one[1:-1].isdecimal())

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import PurePath
 
 from cspdiag.base import Span
-from cspdiag.draw.deadlock.marks import MOST_NUMBERS, StuckProcess, definition_at
+from cspdiag.draw.deadlock.marks import MOST_NUMBERS, StuckProcess, definition_at, may_be
 from cspdiag.draw.elements.composition import Activity, CompositionDiagram, Guard, Part
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.elements.read_composition import composition_diagram
@@ -42,6 +42,24 @@ def waiting_steps(
         )
         for name, steps in found.items()
     ]
+
+
+def steps_beside(diagram: CompositionDiagram, path: str, processes: Sequence[StuckProcess]) -> list[str]:
+    """The keys of the elements of a composition, that of the process at a path, which concern some processes: what runs
+    them, or the instance that they are in; for the process itself, the smallest element at which it is.
+    """
+    found: dict[str, None] = {}
+    for each in processes:
+        if each.path == path:
+            found |= dict.fromkeys([] if each.span is None else _at(diagram, each.span))
+        elif each.path.startswith(f"{path}."):
+            instance = each.path.removeprefix(f"{path}.").partition(".")[0]
+            found |= {
+                element.key: None
+                for element in diagram.elements()
+                if isinstance(element, Activity) and element.form == "run" and may_be(element.text, instance)
+            }
+    return list(found)
 
 
 def _steps(diagram: CompositionDiagram, waiting: StuckProcess) -> list[str]:
