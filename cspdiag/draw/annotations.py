@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from pathlib import PurePath
 
 from cspdiag.base import Diagnostic
 from cspdiag.base.record import record
@@ -142,13 +143,15 @@ class Note:
 
 
 def messages(diagnostics: Iterable[tuple[int, Diagnostic]], width: float) -> Group:
-    """The numbered messages, one below the other, from the origin down."""
+    """The numbered messages, one below the other, from the origin down; files are named without their folders, which
+    are not the same everywhere.
+    """
     rows = [
         Note(
             Mark("error" if diagnostic.severity == "error" else "warning", (number,)),
             diagnostic.code,
             diagnostic.message,
-            str(diagnostic.span),
+            f"{PurePath(diagnostic.span.file).name}:{diagnostic.span.line}",
         )
         for number, diagnostic in diagnostics
     ]

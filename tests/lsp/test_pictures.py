@@ -149,3 +149,5 @@ async def test_a_process_that_ends_is_started_again() -> None:
 
 async def test_a_text_without_a_process_has_no_diagram() -> None:
     assert answer(Request("a.csp", {"a.csp": "const a = 1\n"}))["problem"] == "there is no process to draw"
+    broken = answer(Request("a.csp", {"a.csp": "process Bad {\n  composition { skip ; ) }\n}\n"}))["problem"]
+    assert broken == "the text has mistakes in its syntax, and without what has them there is no process to draw"

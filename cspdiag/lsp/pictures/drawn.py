@@ -72,7 +72,8 @@ def _drawn(request: Request, checked: Checked) -> dict[str, Any]:
     pictures = Pictures(checked.readable, checked.report.diagnostics, checked.analysis)
     definition = _chosen(pictures, request)
     if definition is None:
-        return {"problem": "there is no process to draw"}
+        syntax = "the text has mistakes in its syntax, and without what has them "
+        return {"problem": f"{'' if checked.program is not None else syntax}there is no process to draw"}
     scene = pictures.scene(definition, PictureOptions(which=request.which))
     if request.format is not None:
         from cspdiag.draw.output.formats import rendered

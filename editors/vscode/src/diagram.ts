@@ -9,6 +9,8 @@ import { definitionAt, partsAt } from "./places";
 import type { Server } from "./server";
 
 export const VIEW = "cspdiag.diagram";
+/** The title of the tab while there is no diagram in it. */
+const TITLE = "Diagram";
 const BLANK = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1"/>';
 /** Milliseconds without a change until a picture is drawn. */
 const QUIET = 150;
@@ -86,7 +88,7 @@ export class DiagramView implements vscode.Disposable {
       const column = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
       // Its size and place stay while a figure is in front of it.
       const options = { enableScripts: true, retainContextWhenHidden: true };
-      this.use(vscode.window.createWebviewPanel(VIEW, "Diagram", column, options));
+      this.use(vscode.window.createWebviewPanel(VIEW, TITLE, column, options));
     } else {
       this.panel.reveal(undefined, true);
     }
@@ -259,9 +261,7 @@ export class DiagramView implements vscode.Disposable {
     const processes = answer.definitions.map((each) => each.name);
     this.post({ type: "picture", svg: answer.svg, chosen: this.chosen(), processes, parts });
     this.status(answer.whole ? "" : "The text has mistakes in its syntax: what has them is left out.", !answer.whole);
-    if (this.panel !== undefined) {
-      this.panel.title = `Diagram of ${answer.name}`;
-    }
+    this.entitle(`Diagram of ${answer.name}`);
     const editor = this.editor();
     if (editor !== undefined) {
       // The cursor may have gone elsewhere while this was drawn.
@@ -284,8 +284,15 @@ export class DiagramView implements vscode.Disposable {
   private status(text: string, stale = text !== ""): void {
     if (this.picture === undefined) {
       this.post({ type: "picture", svg: BLANK, chosen: this.chosen(), processes: [], parts: {} });
+      this.entitle(TITLE);
     }
     this.post({ type: "status", text, stale: stale && this.picture !== undefined });
+  }
+
+  private entitle(title: string): void {
+    if (this.panel !== undefined) {
+      this.panel.title = title;
+    }
   }
 
   private post(message: ToPage): void {

@@ -4,13 +4,15 @@ import * as vscode from "vscode";
 import { DiagramView } from "./diagram";
 import type { Step } from "./diagram";
 import { openExample } from "./examples";
+import { Figures } from "./figures";
 import { Runs } from "./run";
 import { Server } from "./server";
 import { isTrusted } from "./trust";
 
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
   const output = vscode.window.createOutputChannel("cspdiag", { log: true });
-  const runs = new Runs(output);
+  const figures = new Figures(vscode.Uri.joinPath(context.globalStorageUri, "figures").fsPath);
+  const runs = new Runs(output, figures);
   const server = new Server(context, output, runs);
   const diagram = new DiagramView(context, server);
   const run = async (plot: boolean, uri: string, environment: string) => {
@@ -63,5 +65,6 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   );
   // Not awaited: VS Code shows the file while the server starts.
   void server.start();
+  void figures.removeOld();
   return Promise.resolve();
 }

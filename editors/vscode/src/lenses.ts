@@ -13,9 +13,13 @@ export function brief(title: string): { title: string; tooltip?: string } {
   return { title: `${words.slice(0, end > LONGEST / 2 ? end : undefined)}…`, tooltip: title };
 }
 
-/** How a run has ended, or why there was none: the first line of what it printed, without what the lens is at. */
-export function outcome(output: string, environment: string): string {
+/** How a run has ended, or why there was none: the first line of what it printed, without what the lens is at. `time` is
+ * the setting for how long it runs. */
+export function outcome(output: string, environment: string, time: string): string {
   const line = output.split("\n").find((each) => each.trim() !== "") ?? "ended without a word";
+  if ([`\`${time}\` is not a time`, `a run cannot last ${time}`].some((each) => line.includes(each))) {
+    return `The setting cspdiag.run.for: ${line.replace(/^cspdiag: /, "")}`;
+  }
   const start = line.indexOf(` in ${environment}: `);
   return /^\w+$/.test(line.slice(0, Math.max(start, 0))) ? line.slice(start + ` in ${environment}: `.length) : line;
 }

@@ -11,30 +11,40 @@ export interface Problem {
   update: boolean;
 }
 
-/** How a command has ended; `status` is undefined if it could not be started, or did not end in time. */
+/** How a command has ended; `status` is undefined if it could not be started, or did not end in time (`late`). */
 export interface Ended {
   status: number | undefined;
   output: string;
   errors: string;
+  late?: boolean;
 }
 
 export type Run = (command: string, args: readonly string[]) => Promise<Ended>;
 
-/** Runs a command without input; one that takes longer than 20 seconds is ended. */
-export const run: Run = (command, args) =>
-  new Promise<Ended>((resolve) => {
+/** Seconds after which a command that has not ended is ended. */
+const LONGEST = 20;
+
+/** Runs a command without input; one that takes longer than 20 seconds is ended, and so is one that is given up. */
+export function run(command: string, args: readonly string[], givenUp?: AbortSignal, longest = LONGEST): Promise<Ended> {
+  const options = { timeout: longest * 1000, killSignal: "SIGKILL", encoding: "utf8", signal: givenUp } as const;
+  return new Promise<Ended>((resolve) => {
     // Some reasons for which a command cannot start are thrown, and make a promise that fails.
-    const child = execFile(command, args, { timeout: 20_000, encoding: "utf8" }, (error, output, errors) => {
+    const child = execFile(command, args, options, (error, output, errors) => {
       const status = error === null ? 0 : typeof error.code === "number" ? error.code : undefined;
-      resolve({ status, output, errors: errors === "" && status === undefined ? (error?.message ?? "") : errors });
+      const said = errors === "" && status === undefined ? (error?.message ?? "") : errors;
+      resolve({ status, output, errors: said, late: error?.killed === true && typeof error.code !== "string" });
     });
     child.stdin?.end();
   }).catch((problem: unknown) => ({ status: undefined, output: "", errors: String(problem) }));
+}
 
 /** What keeps a cspdiag from serving this extension; undefined if nothing does. */
 export async function problemOf(command: string, runs: Run = run): Promise<Problem | undefined> {
   // The server ends at the end of its input, so this takes half a second.
   const [version, server] = await Promise.all([runs(command, ["--version"]), runs(command, ["lsp"])]);
+  if (version.late === true || server.late === true) {
+    return { message: `${command} did not answer within ${LONGEST} s`, update: false };
+  }
   const number = /^cspdiag (\d+(?:\.\d+)*)/.exec(version.output)?.[1];
   if (version.status !== 0 || number === undefined) {
     return { message: `${command} does not start: ${lastLine(version.errors)}`, update: false };

@@ -2,10 +2,9 @@
 
 import { spawn } from "node:child_process";
 import { existsSync } from "node:fs";
-import { mkdtemp } from "node:fs/promises";
-import { tmpdir } from "node:os";
 import * as path from "node:path";
 import * as vscode from "vscode";
+import type { Figures } from "./figures";
 import type { Result } from "./lenses";
 import { brief, outcome, titleOf } from "./lenses";
 
@@ -22,7 +21,10 @@ export class Runs implements vscode.Disposable {
   /** Lenses have other titles. */
   readonly onDidChange = this.changed.event;
 
-  constructor(private readonly output: vscode.LogOutputChannel) {}
+  constructor(
+    private readonly output: vscode.LogOutputChannel,
+    private readonly figures: Figures,
+  ) {}
 
   dispose(): void {
     this.changed.dispose();
@@ -52,12 +54,12 @@ export class Runs implements vscode.Disposable {
       return;
     }
     const text = document.getText();
-    const time = vscode.workspace.getConfiguration("cspdiag").get("run.for", "20 s");
+    const time = vscode.workspace.getConfiguration("cspdiag").get("run.for", "20 s").replaceAll(" ", "");
     const args = ["run", uri.fsPath, "--environment", environment, "--color", "never"];
-    if (time.trim() !== "") {
-      args.push("--for", time.replaceAll(" ", ""));
+    if (time !== "") {
+      args.push("--for", time);
     }
-    const figure = plot ? path.join(await mkdtemp(path.join(tmpdir(), "cspdiag-")), `${environment}.png`) : undefined;
+    const figure = plot ? await this.figures.file(environment) : undefined;
     if (figure !== undefined) {
       args.push("--plot", figure);
     }
@@ -65,7 +67,9 @@ export class Runs implements vscode.Disposable {
       { location: vscode.ProgressLocation.Notification, title: `Running ${environment}`, cancellable: true },
       (_, token) => execute(cspdiag, args, path.dirname(uri.fsPath), token),
     );
-    this.keep(uri, environment, text, ended);
+    this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
+    const said = ended.status === null ? "stopped" : outcome(ended.output, environment, time);
+    this.keep(uri, environment, { text, outcome: said });
     if (figure === undefined) {
       return;
     }
@@ -74,23 +78,22 @@ export class Runs implements vscode.Disposable {
       const beside = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
       await vscode.commands.executeCommand("vscode.open", vscode.Uri.file(figure), beside);
     } else if (ended.status !== null) {
-      await this.without(environment, ended);
+      await this.without(environment, said);
     }
   }
 
   /** Says that a run has left no figure, and why. */
-  private async without(environment: string, ended: Ended): Promise<void> {
-    const message = `${environment} has no figure: ${outcome(ended.output, environment)}`;
+  private async without(environment: string, said: string): Promise<void> {
+    const message = `${environment} has no figure: ${said}`;
     if ((await vscode.window.showErrorMessage(message, "Show Output")) === "Show Output") {
       this.output.show();
     }
   }
 
-  private keep(uri: vscode.Uri, environment: string, text: string, ended: Ended): void {
-    this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
+  private keep(uri: vscode.Uri, environment: string, result: Result): void {
     const key = uri.toString();
     const known = this.results.get(key) ?? new Map<string, Result>();
-    known.set(environment, { text, outcome: ended.status === null ? "stopped" : outcome(ended.output, environment) });
+    known.set(environment, result);
     this.results.set(key, known);
     this.changed.fire();
   }

@@ -1,6 +1,6 @@
 /** The language server: found, started, restarted when it ends by itself. */
 
-import { statSync } from "node:fs";
+import { existsSync, statSync } from "node:fs";
 import { homedir } from "node:os";
 import * as path from "node:path";
 import * as vscode from "vscode";
@@ -10,7 +10,7 @@ import type { Found, Surroundings } from "./find";
 import { expanded, find } from "./find";
 import { install, REQUIREMENT } from "./install";
 import type { Problem } from "./probe";
-import { problemOf } from "./probe";
+import { problemOf, run } from "./probe";
 import { Work } from "./progress";
 import { INTERRUPTED, Proofs } from "./proofs";
 import { Restarts } from "./restarts";
@@ -19,10 +19,15 @@ import type { Way } from "./trouble";
 import { Trouble } from "./trouble";
 import { isTrusted, MANAGE_TRUST } from "./trust";
 
+/** Milliseconds that a cspdiag may take to start before that is shown. */
+const PATIENCE = 2_000;
+
 export class Server implements vscode.Disposable {
   private client: LanguageClient | undefined;
   private found: Found | undefined;
   private starting: Promise<void> | undefined;
+  /** Gives up what is being started. */
+  private giveUp = new AbortController();
   private readonly proofs = new Proofs();
   private readonly work = new Work(() => this.running);
   /** What keeps the server from running. */
@@ -67,6 +72,7 @@ export class Server implements vscode.Disposable {
   }
 
   async restart(): Promise<void> {
+    this.giveUp.abort();
     await this.starting;
     await this.stop();
     await this.start();
@@ -108,21 +114,40 @@ export class Server implements vscode.Disposable {
     if (this.client !== undefined) {
       return;
     }
+    this.giveUp = new AbortController();
+    const { signal } = this.giveUp;
     this.trouble.mended();
     const around = await this.surroundings();
+    this.changed.fire(undefined);
     const found = find(around);
     if (found === undefined) {
       this.missing(around);
       return;
     }
     this.output.info(`${found.command}, found in ${found.from}`);
-    const problem = await problemOf(found.command);
+    const problem = await this.asked(found.command, signal);
+    if (signal.aborted) {
+      return;
+    }
     if (problem !== undefined) {
       this.output.error(problem.message);
       this.tell(advice(problem, found), [INSTALL, CHOOSE, AGAIN]);
       return;
     }
     await this.connect(found);
+  }
+
+  /** Asks a cspdiag whether it can serve; one that takes its time over the answer is named meanwhile. */
+  private async asked(command: string, givenUp: AbortSignal): Promise<Problem | undefined> {
+    const asking = problemOf(command, (program, args) => run(program, args, givenUp));
+    const title = `${command} is being asked for its version…`;
+    const options = { location: vscode.ProgressLocation.Notification, title };
+    const timer = setTimeout(() => void vscode.window.withProgress(options, () => asking), PATIENCE);
+    try {
+      return await asking;
+    } finally {
+      clearTimeout(timer);
+    }
   }
 
   private async connect(found: Found): Promise<void> {
@@ -212,7 +237,10 @@ export class Server implements vscode.Disposable {
   private missing(around: Surroundings): void {
     if (around.setting.trim() !== "") {
       const file = expanded(around.setting, around);
-      this.tell(`There is no file ${file}, which the setting cspdiag.path names.`, [INSTALL, CHOOSE, AGAIN]);
+      const message = existsSync(file)
+        ? `${file}, which the setting cspdiag.path names, is a folder: name the program in it.`
+        : `There is no file ${file}, which the setting cspdiag.path names.`;
+      this.tell(message, [INSTALL, CHOOSE, AGAIN]);
     } else if (around.trusted) {
       this.tell("cspdiag is not installed here: errors, diagrams and proofs need it.", [INSTALL, CHOOSE, AGAIN]);
     } else {

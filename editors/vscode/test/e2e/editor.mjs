@@ -97,6 +97,11 @@ export class Editor {
     rmSync(path.join(this.folder, environment), { recursive: true });
   }
 
+  /** Writes a program of the folder. */
+  program(name, text) {
+    writeFileSync(path.join(this.folder, name), text, { mode: 0o755 });
+  }
+
   /** Writes the settings of the folder. */
   settings(settings) {
     mkdirSync(path.join(this.folder, ".vscode"), { recursive: true });

@@ -36,8 +36,20 @@ const COUNT = `process Counter { communication { var n : int = 0 } composition {
 environment Bench for Counter { }
 `;
 
-const TABLE = readFileSync(path.join(MODELS, "dining/table.csp"), "utf8");
-const SLOW = `${TABLE.replace("seats = 5", "seats = 120")}\nassert Table deadlock free\n`;
+/** Has two thousand million states. */
+const SLOW = `process Main {
+  in  x : double @ 1 ms
+  out y : double @ 1 ms
+  communication {
+    var v : double
+    var n : int = 0
+  }
+  composition {
+    mu (x ? v ; n := (n * 1103515245 + 12345) % 2147483648 ; if n == 7777777 then stop else y ! v)
+  }
+}
+assert Main deadlock free
+`;
 
 /** @type {Editor} */
 let editor;
@@ -56,7 +68,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP, "half.csp": HALF, "crossed.csp": CROSSED, "fault.csp": FAULT, "count.csp": COUNT, "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const files = { "slip.csp": SLIP, "half.csp": HALF, "only.csp": HALF.slice(HALF.indexOf("process Bad")), "crossed.csp": CROSSED, "fault.csp": FAULT, "count.csp": COUNT, "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
   editor = await Editor.start({ files, folder: "my project #1" });
 });
@@ -132,6 +144,14 @@ step("a file with mistakes has a diagram of its own, not that of the file before
   await editor.diagram.locator("#Align-velocity.lit").waitFor();
 });
 
+step("a file in which nothing can be drawn says why, under a title of its own", async () => {
+  await editor.open("only.csp");
+  await editor.diagram.locator("#status", { hasText: "the text has mistakes in its syntax, and without" }).waitFor();
+  await editor.page.locator(".tab", { hasText: /^Diagram$/ }).waitFor();
+  await editor.open("jiwy.csp", 29, 6);
+  await editor.diagram.locator("#Align-velocity.lit").waitFor();
+});
+
 step("a mistake is marked in the diagram as one types", async () => {
   await editor.goTo(32, 38);
   await editor.page.keyboard.type("x");
@@ -186,7 +206,7 @@ step("a proof that takes long is shown, and can be cancelled", async () => {
   await editor.open("slow.csp");
   await editor.goTo(SLOW.split("\n").length - 1);
   await editor.page.locator(".codelens-decoration a", { hasText: "Verify" }).click();
-  const shown = await editor.notification("Verifying `assert Table deadlock free`");
+  const shown = await editor.notification("Verifying `assert Main deadlock free`");
   await editor.screenshot("verifying");
   await shown.locator("a.monaco-button", { hasText: "Cancel" }).click();
   await shown.waitFor({ state: "hidden" });
@@ -202,7 +222,7 @@ step("a proof ends with the server, and its lens says so", async () => {
   ];
   for (const end of ends) {
     await editor.page.locator(".codelens-decoration a", { hasText: "Verify" }).click();
-    const shown = await editor.notification("Verifying `assert Table deadlock free`");
+    const shown = await editor.notification("Verifying `assert Main deadlock free`");
     await end();
     await shown.waitFor({ state: "hidden" });
     await editor.page.locator(".codelens-decoration a", { hasText: "Verify again (interrupted)" }).waitFor();
@@ -237,6 +257,14 @@ step("a counterexample is stepped through in the diagram", async () => {
   await editor.diagram.locator("#Main-right.waiting").waitFor();
   assert.equal(await editor.diagram.locator(".communicating").count(), 0);
   await editor.screenshot("counterexample");
+  await editor.diagram.locator("#which").selectOption("composition");
+  await editor.diagram.locator("#Main-left-a-right-a").waitFor({ state: "detached" });
+  await editor.diagram.locator(".waiting", { hasText: "process right : Right" }).waitFor();
+  await editor.diagram.locator("#previous").click();
+  await editor.diagram.locator(".communicating", { hasText: "process left : Left" }).waitFor();
+  await editor.screenshot("counterexample-composition");
+  await editor.diagram.locator("#next").click();
+  await editor.diagram.locator("#which").selectOption("both");
   await editor.diagram.locator("#process").selectOption("Left");
   await editor.diagram.locator("#step", { hasText: "This step is in the diagram of Main" }).waitFor();
   await editor.screenshot("counterexample-elsewhere");

@@ -41,9 +41,15 @@ test("cspdiag is offered, and what would run is said before it runs", async () =
 test("what a setting names is said with its whole path, until it is mended", async () => {
   editor.settings({ "cspdiag.path": "${workspaceFolder}/none/bin/cspdiag" });
   const first = await editor.notification(`There is no file ${editor.folder}/none/bin/cspdiag`);
+  editor.settings({ "cspdiag.path": ".vscode" });
+  await editor.notification(`${editor.folder}/.vscode, which the setting cspdiag.path names, is a folder`);
+  await first.waitFor({ state: "hidden" });
+  editor.program("hangs", "#!/bin/sh\nexec sleep 60\n");
+  editor.settings({ "cspdiag.path": "hangs" });
+  const asked = await editor.notification(`${editor.folder}/hangs is being asked for its version`);
   editor.settings({ "cspdiag.path": "tools/bin/cspdiag" });
   const second = await editor.notification(`There is no file ${editor.folder}/tools/bin/cspdiag`);
-  await first.waitFor({ state: "hidden" });
+  await asked.waitFor({ state: "hidden" });
   editor.install("tools");
   await second.locator("a", { hasText: "Try Again" }).click();
   await second.waitFor({ state: "hidden" });

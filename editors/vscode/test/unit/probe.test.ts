@@ -40,6 +40,13 @@ test("a file that is no program is a problem, too", async () => {
   assert.match(problem?.message ?? "", /^\/dev\/null\/cspdiag does not start: /);
 });
 
+test("one that does not answer is given up, and that is said", async () => {
+  const ended = await run(process.execPath, ["-e", "setTimeout(() => 0, 60000)"], undefined, 0.05);
+  assert.equal(ended.late, true);
+  const problem = await problemOf("/bin/cspdiag", () => Promise.resolve(ended));
+  assert.equal(problem?.message, "/bin/cspdiag did not answer within 20 s");
+});
+
 test("versions are compared as numbers", () => {
   assert.ok(isOlder("0.9.10", "0.10.0"));
   assert.ok(isOlder("0.1", "0.1.1"));
