@@ -71,7 +71,7 @@ def test_a_trace_keeps_them_for_the_timing_analysis(cascade: Network, tmp_path: 
     path = tmp_path / "trace.json"
     run.to_trace(path)
     assert json.loads(path.read_text())["traceEvents"]
-    found = {entry.path: entry for entry in measured_times(str(path))}
+    found = {entry.path: entry for entry in measured_times(str(path)).steps}
     assert {name: entry.longest for name, entry in found.items()} == {
         name: time.longest for name, time in run.execution_times.items()
     }

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 from cspdiag.studio.engine.engine import Engine
+
+MODELS = Path(__file__).parents[2] / "models"
+JIWY = MODELS / "jiwy" / "jiwy.csp"
 
 
 class Talk:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from cspdiag import load
-from tests.studio.talking import Talk
+from tests.studio.talking import JIWY, Talk
 
 STUDIO = Path(__file__).parents[2] / "studio"
 WORKER = STUDIO / "build" / "worker.js"
@@ -83,7 +83,7 @@ def test_check_and_draw_are_those_of_the_machine(browser: Browser, jiwy: dict[st
 
 
 def test_a_recording_is_the_same_to_the_byte(browser: Browser, jiwy: dict[str, Any], tmp_path: Path) -> None:
-    load("models/jiwy/jiwy.csp").run(until="300 ms").to_csv(tmp_path / "run.csv")
+    load(JIWY).run(until="300 ms").to_csv(tmp_path / "run.csv")
     assert browser.ask("run", **jiwy, until="300 ms")["csv"] == (tmp_path / "run.csv").read_text()
 
 

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from cspdiag import load
-from tests.studio.talking import Talk, program
+from tests.studio.talking import JIWY, Talk, program
 
 DELAY = """\
 /// Passes values on.
@@ -166,7 +166,7 @@ def test_timing(talk: Talk) -> None:
 
 def test_a_run_is_that_of_the_command(talk: Talk, tmp_path) -> None:
     found = talk.ask("run", **talk.model("jiwy"), until="300 ms", set={"Tsh": "4 ms"})
-    expected = load("models/jiwy/jiwy.csp").run(until="300 ms", set={"Tsh": "4 ms"})
+    expected = load(JIWY).run(until="300 ms", set={"Tsh": "4 ms"})
     expected.to_csv(tmp_path / "run.csv")
     assert found["csv"] == (tmp_path / "run.csv").read_text()
     assert found["ended"] == "until"

@@ -19,9 +19,7 @@ from cspdiag.simulate.record.files import csv_parts, plain_trace_text
 from cspdiag.simulate.record.run_data import RunData
 from cspdiag.simulate.run import execute
 from cspdiag.simulate.run.live import LiveRun
-from tests.studio.talking import Talk, program
-
-MODELS = Path("models")
+from tests.studio.talking import JIWY, MODELS, Talk, program
 
 LIVELOCK = """\
 process A { out x : int  composition { mu x ! 1 } }
@@ -132,7 +130,7 @@ def test_frames_follow_each_other_and_have_the_whole_run(player: Player) -> None
     player.play(session, 50_000_000)
     for before, after in pairwise(player.frames):
         assert before["params"]["to"] == after["params"]["from"]
-    expected = load("models/jiwy/jiwy.csp").run(until="50 ms")
+    expected = load(JIWY).run(until="50 ms")
     for name in ("feedback_vertical", "control_vertical", "control_horizontal"):
         times, values = player.shown(name)
         assert values == list(expected[name])
