@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from cspdiag.proofs.properties.endless import Endless, Finite
+from cspdiag.proofs.properties.endless import Endless, Finite, shortest_cycle
 from cspdiag.proofs.search.breadth_first import CHUNK, Exploration, explore, trace_to
 from cspdiag.proofs.search.closed_sets import ClosedSets
 from cspdiag.proofs.search.packing import Flags, Packing, Words
@@ -73,6 +73,7 @@ def _shortest_cycle(search: Exploration, part: System, left: Edges, limits: Limi
     sets = ClosedSets(part, limits)
 
     def onward(number: int) -> list[tuple[Move, int]]:
+        limits.check()
         state = search.state(number)
         ways = [way for event in sets.possible(state) for way in sets.moves(state, event)]
         numbers = search.table.find(search.packing.pack([after for _, after in ways])).tolist()
@@ -81,23 +82,7 @@ def _shortest_cycle(search: Exploration, part: System, left: Edges, limits: Limi
     walked: dict[int, int] = {}
     number = int(left[0])
     while number not in walked:
-        limits.check()
         walked[number] = len(walked)
         number = onward(number)[0][1]
     start = min(member for member, place in walked.items() if place >= walked[number])
-    came: dict[int, tuple[int, Move]] = {}
-    pending = [start]
-    for member in pending:
-        for move, after in onward(member):
-            limits.check()
-            if after not in came:
-                came[after] = (member, move)
-                pending.append(after)
-        if start in came:
-            break
-    cycle: list[Move] = []
-    at = start
-    while not cycle or at != start:
-        at, move = came[at]
-        cycle.append(move)
-    return Endless("breadth-first", trace_to(search, start), tuple(reversed(cycle)), search.states)
+    return Endless("breadth-first", trace_to(search, start), shortest_cycle(start, onward), search.states)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.base.graphs import strong_components
-from cspdiag.proofs.properties.endless import Endless, Finite
+from cspdiag.proofs.properties.endless import Endless, Finite, shortest_cycle
 from cspdiag.proofs.search.closed_sets import ClosedSets
 from cspdiag.proofs.search.one_by_one import explore
 from cspdiag.proofs.transitions.systems.system import System
@@ -29,24 +29,6 @@ def among_all_states(system: System, part: System, limits: Limits) -> Endless | 
         if len(members) > 1 or component[0] in following(component[0]):
             start = min(members)
             ways = {number: [way for way in onward(number) if way[1] in members] for number in members}
-            return Endless("breadth-first", search.trace_to(start), _shortest(start, ways), len(search.states))
+            cycle = shortest_cycle(start, ways.__getitem__)
+            return Endless("breadth-first", search.trace_to(start), cycle, len(search.states))
     return Finite("breadth-first", len(search.states))
-
-
-def _shortest(start: int, ways: dict[int, list[tuple[Move, int]]]) -> tuple[Move, ...]:
-    """A shortest way from a state back to itself."""
-    came: dict[int, tuple[int, Move]] = {}
-    pending = [start]
-    for member in pending:  # It grows.
-        for move, after in ways[member]:
-            if after not in came:
-                came[after] = (member, move)
-                pending.append(after)
-        if start in came:
-            break
-    cycle: list[Move] = []
-    at = start
-    while not cycle or at != start:
-        at, move = came[at]
-        cycle.append(move)
-    return tuple(reversed(cycle))
