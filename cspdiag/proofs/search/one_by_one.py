@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from cspdiag.proofs.search.closed_sets import ClosedSets
 from cspdiag.proofs.search.stuck_sets import OffersByState
+from cspdiag.proofs.search.traces import moves_to
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
 
@@ -38,11 +39,7 @@ class Reached:
 
     def trace_to(self, number: int) -> tuple[Move, ...]:
         """A shortest trace from the initial state."""
-        moves = []
-        while (parent := self.parents[number]) is not None:
-            number, move = parent
-            moves.append(move)
-        return tuple(reversed(moves))
+        return moves_to(number, self.parents)
 
 
 def deadlock_free(system: System, limits: Limits) -> Verdict:

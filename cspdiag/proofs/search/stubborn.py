@@ -16,7 +16,7 @@ from typing import TypeAlias
 from cspdiag.base.graphs import final_components
 from cspdiag.proofs.search.closed_sets import ClosedSets, Ready
 from cspdiag.proofs.search.stuck_sets import OffersByState
-from cspdiag.proofs.search.traces import causes
+from cspdiag.proofs.search.traces import causes, moves_to
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
 
@@ -51,11 +51,7 @@ class _Graph:
 
     def trace(self, number: int) -> tuple[Move, ...]:
         """The moves that lead to a state."""
-        moves = []
-        while (parent := self.parents[number]) is not None:
-            number, move = parent
-            moves.append(move)
-        return tuple(reversed(moves))
+        return moves_to(number, self.parents)
 
 
 def deadlock_free(system: System, limits: Limits) -> Verdict:

@@ -26,3 +26,14 @@ def end_of(initial: Sequence[int], trace: Iterable[Move]) -> tuple[int, ...]:
         for party, after in move.moves:
             state[party] = after
     return tuple(state)
+
+
+def moves_to(number: int, parents: Sequence[tuple[int, Move] | None]) -> tuple[Move, ...]:
+    """The moves from the initial state to a state; ``parents`` has for each state the one before it and the move
+    between them, and None for the initial one.
+    """
+    moves = []
+    while (parent := parents[number]) is not None:
+        number, move = parent
+        moves.append(move)
+    return tuple(reversed(moves))
