@@ -287,6 +287,16 @@ def unified(context: Context, parts: list[ast.Expression], types: list[Type], wh
             result, leader = first, position
         if isinstance(result, RealType) and isinstance(second, RealType) and not result.unit.text:
             result = second
+    if _is_open(context, parts, types):
+        return UNKNOWN
     for part in parts:
         adapt(context, part, context.program.types[part], result)
     return result
+
+
+def _is_open(context: Context, parts: list[ast.Expression], types: list[Type]) -> bool:
+    """Whether numbers would take the type of a part that has a mistake, so that the common type cannot be known."""
+    if context.guessing or not any(isinstance(found, UnknownType) for found in types):
+        return False
+    known = (part for part, found in zip(parts, types, strict=True) if not isinstance(found, UnknownType))
+    return all(part in context.literals or isinstance(part, ast.Duration) for part in known)
