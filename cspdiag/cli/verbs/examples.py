@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from argparse import ArgumentParser, Namespace
 
 from cspdiag.base.files.examples import main_program, summaries
@@ -33,5 +34,5 @@ def run(arguments: Namespace) -> int:
     folders = list(dict.fromkeys(os.path.join(arguments.output, path.partition("/")[0]) for path in files))
     program = os.path.join(folders[0], main_program(arguments.example))
     say(f"wrote {on_one_line(' and '.join(map(os.path.normpath, folders)))}; README.md explains it")
-    say(f"try: cspdiag run {on_one_line(os.path.normpath(program))}")
+    say(f"try: cspdiag run {on_one_line(shlex.quote(os.path.normpath(program)))}")
     return FINE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -30,8 +31,9 @@ def test_a_copy_has_no_errors(cspdiag: Command, tmp_path: Path, name: str) -> No
     assert cspdiag("check", *programs).code == 0
     for page in folder.rglob("README.md"):
         assert "](../../docs/pictures" not in page.read_text()
-    run = result.err.splitlines()[-1].removeprefix("try: cspdiag run ")
-    assert Path(run).is_file()
+    run = shlex.split(result.err.splitlines()[-1])
+    assert run[:-1] == ["try:", "cspdiag", "run"]
+    assert Path(run[-1]).is_file()
 
 
 def test_what_exists_is_not_touched(cspdiag: Command, tmp_path: Path) -> None:
