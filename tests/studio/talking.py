@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cspdiag.studio.engine.engine import Engine
+from cspdiag.studio.engine.program_file import ProgramFile
 
 MODELS = Path(__file__).parents[2] / "models"
 JIWY = MODELS / "jiwy" / "jiwy.csp"
@@ -15,9 +16,9 @@ JIWY = MODELS / "jiwy" / "jiwy.csp"
 class Talk:
     """An engine, and its notifications; everything passes through JSON, as it does on the way to a page."""
 
-    def __init__(self) -> None:
+    def __init__(self, file: ProgramFile | None = None) -> None:
         self.notifications: list[dict[str, Any]] = []
-        self.engine = Engine(lambda message: self.notifications.append(_through_json(message)))
+        self.engine = Engine(lambda message: self.notifications.append(_through_json(message)), file=file)
 
     def ask(self, method: str, **params: Any) -> Any:
         """The result of a request; what is refused fails the test."""

@@ -6,7 +6,6 @@ A session ends, and the outputs of its program are released, when the input ends
 from __future__ import annotations
 
 import json
-import os
 import signal
 import sys
 import threading
@@ -14,9 +13,8 @@ from queue import Empty, SimpleQueue
 from types import FrameType
 from typing import Any
 
-from cspdiag.base.standard_streams import standard_error
 from cspdiag.studio.engine.engine import Engine
-from cspdiag.studio.engine.programs import opened
+from cspdiag.studio.engine.program_file import ProgramFile
 
 
 def main(arguments: list[str]) -> int:
@@ -24,18 +22,12 @@ def main(arguments: list[str]) -> int:
     output = sys.stdout
     # Whatever a program prints does not belong to an answer.
     sys.stdout = sys.stderr
-    try:
-        program = opened(arguments[0]) if arguments else None
-    except OSError as problem:
-        standard_error().write(f"cspdiag: {arguments[0]}: {problem.strerror or problem}\n")
-        return 2
 
     def send(message: dict[str, Any]) -> None:
         output.write(json.dumps(message, allow_nan=False) + "\n")
         output.flush()
 
-    folder = os.path.dirname(os.path.abspath(arguments[0])) if arguments else None
-    engine = Engine(send, program=program, folder=folder)
+    engine = Engine(send, file=ProgramFile(arguments[0]) if arguments else None)
     lines: SimpleQueue[str | None] = SimpleQueue()
     threading.Thread(target=_read, args=(lines,), name="requests", daemon=True).start()
     for number in (signal.SIGINT, signal.SIGTERM):

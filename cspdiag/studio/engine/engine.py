@@ -12,6 +12,7 @@ from cspdiag.studio.engine.failure import RequestError
 from cspdiag.studio.engine.programs import Programs
 
 if TYPE_CHECKING:
+    from cspdiag.studio.engine.program_file import ProgramFile
     from cspdiag.studio.engine.session import Session
 
 Notify: TypeAlias = Callable[[Data], object]
@@ -21,16 +22,14 @@ Answer: TypeAlias = Callable[[Data], Any]
 
 class Engine:
     """Answers the requests of one page, and lets a session run between them. ``kind`` is ``browser`` or ``machine``;
-    ``program`` is what the page opens with, if there is something, and ``folder`` where that is.
+    ``file`` has the program that the page opens with, if there is one.
     """
 
-    def __init__(
-        self, notify: Notify, kind: str = "machine", program: Data | None = None, folder: str | None = None
-    ) -> None:
+    def __init__(self, notify: Notify, kind: str = "machine", file: ProgramFile | None = None) -> None:
         self._notify = notify
         self._kind = kind
-        self._program = program
-        self._programs = Programs(folder)
+        self._file = file
+        self._programs = Programs(file)
         self._answers: dict[str, Answer] = {
             "hello": self._hello,
             "check": self._check,
@@ -110,7 +109,7 @@ class Engine:
             "targets": list(TARGETS),
             "models": models(),
         }
-        return found if self._program is None else {**found, "program": self._program}
+        return found if self._file is None else {**found, "program": self._file.read()}
 
     def _check(self, params: Data) -> Data:
         from cspdiag.studio.engine.checking import check

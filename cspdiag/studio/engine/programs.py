@@ -5,8 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import posixpath
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Callable, Mapping
 
 from cspdiag.api import LoadedProgram
 from cspdiag.base.report import Report
@@ -14,10 +13,10 @@ from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile, with_line_feeds
 from cspdiag.editing.positions import offset_of
 from cspdiag.editing.view import View
-from cspdiag.model.names.imports import load
 from cspdiag.model.remembered import RememberedChecks
 from cspdiag.studio.engine.data import Data
 from cspdiag.studio.engine.failure import RequestError
+from cspdiag.studio.engine.program_file import ProgramFile
 from cspdiag.syntax import ast
 from cspdiag.syntax.incremental import Parsed, parse_again
 
@@ -33,7 +32,7 @@ class Files:
 
     def __init__(self, texts: Mapping[str, str], main: str, folder: str | None = None) -> None:
         self.main = main
-        self._folder = folder
+        self.folder = folder
         self._sources = {name: SourceFile(name=name, text=text) for name, text in texts.items()}
 
     def __eq__(self, other: object) -> bool:
@@ -44,8 +43,8 @@ class Files:
     def read(self, name: str) -> SourceFile:
         """A file of the program. Raises OSError if there is none of that name."""
         found = self._sources.get(posixpath.normpath(name))
-        if found is None and self._folder is not None:
-            return SourceFile(name=name, text=read_source(os.path.join(self._folder, name)).text)
+        if found is None and self.folder is not None:
+            return SourceFile(name=name, text=read_source(os.path.join(self.folder, name)).text)
         if found is None:
             raise OSError(errno.ENOENT, "it is not among the files of this program", name)
         return found
@@ -56,8 +55,10 @@ class Files:
         return self._sources[self.main]
 
 
-def files_of(params: Data, folder: str | None = None) -> Files:
-    """The program of a request, of which what is not sent is in a folder, if that is given. Raises RequestError."""
+def files_of(params: Data, folder: Callable[[str], str] | None = None) -> Files:
+    """The program of a request. What is not sent of it is in the ``folder`` of its main file, if that is given. Raises
+    RequestError.
+    """
     program = params.get("program", params)
     texts, main = program.get("files"), program.get("main")
     if not isinstance(texts, dict) or not all(isinstance(text, str) for text in texts.values()):
@@ -75,7 +76,9 @@ def files_of(params: Data, folder: str | None = None) -> Files:
     for name in texts:
         if posixpath.isabs(name) or posixpath.normpath(name) != name or name.startswith(("..", "std/")):
             raise RequestError(f"{name!r} is not a name of a file below the folder of the program")
-    return Files({name: _clean(name, text) for name, text in texts.items()}, main, folder)
+    return Files(
+        {name: _clean(name, text) for name, text in texts.items()}, main, None if folder is None else folder(main)
+    )
 
 
 def _clean(name: str, text: str) -> str:
@@ -89,18 +92,27 @@ def _clean(name: str, text: str) -> str:
 
 
 class Programs:
-    """What is known of the last program that was asked for, so that after a small change little is done again."""
+    """What is known of the last program that was asked for, so that after a small change little is done again.
 
-    def __init__(self, folder: str | None = None) -> None:
-        self._folder = folder
+    With a ``file`` the programs are beside that: what is not sent is read from there, and the folder that has them
+    becomes the working folder, to which FMUs and other files that a program names are relative.
+    """
+
+    def __init__(self, file: ProgramFile | None = None) -> None:
+        self._file = file
         self._files: Files | None = None
         self._view: View | None = None
         self._parsed: dict[str, Parsed] = {}
         self._checks = RememberedChecks()
 
     def files_of(self, params: Data) -> Files:
-        """The program of a request. Raises RequestError."""
-        return files_of(params, self._folder)
+        """The program of a request. Raises RequestError, and OSError if its folder is gone."""
+        if self._file is None:
+            return files_of(params)
+        files = files_of(params, self._file.folder)
+        if files.folder is not None:
+            os.chdir(files.folder)
+        return files
 
     def view(self, files: Files) -> View:
         """The program as editors see it."""
@@ -144,24 +156,3 @@ class Programs:
         for mistake in known.mistakes:
             report.add(mistake)
         return known.tree
-
-
-def opened(path: str) -> Data:
-    """The program in a file, with the files that it imports and the drawings beside it; names are relative to its
-    folder. Raises OSError.
-    """
-    folder, main = os.path.split(os.path.abspath(path))
-    texts = {main: read_source(path).text}
-
-    def read(name: str) -> SourceFile:
-        source = read_source(os.path.join(folder, name))
-        if not name.startswith(".."):
-            texts[name] = source.text
-        return SourceFile(name=name, text=source.text)
-
-    load(SourceFile(name=main, text=texts[main]), read, Report())
-    for name in sorted(os.listdir(folder)):
-        if name.endswith(".svg"):
-            with suppress(OSError):
-                texts[name] = read_source(os.path.join(folder, name)).text
-    return {"files": texts, "main": main}

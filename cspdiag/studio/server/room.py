@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from cspdiag.studio.server.engines import EngineGoneError, EngineProcess
-from cspdiag.studio.server.program_files import ProgramFiles
 from cspdiag.studio.server.refusal import RefusedError
+from cspdiag.studio.server.saved_files import SavedFiles
 from cspdiag.studio.server.viewer import Viewer
 
 QUESTIONS = frozenset({"hello", "check", "complete", "hover", "definition", "format", "draw", "explain"})
@@ -26,7 +26,7 @@ MOST_PENDING = 100
 class Room:
     """Answers the requests of viewers."""
 
-    def __init__(self, command: Sequence[str], files: ProgramFiles) -> None:
+    def __init__(self, command: Sequence[str], files: SavedFiles) -> None:
         self._command = command
         self._files = files
         self.viewers: list[Viewer] = []
@@ -73,7 +73,8 @@ class Room:
         result = await self._ask(self._engine(method), method, params)
         if method == "hello":
             able = {**result.get("able", {}), "save": True}
-            result = {**result, "able": able, "program": self._files.load(), **self._hand_of(viewer)}
+            result = {**result, "able": able, **self._hand_of(viewer)}
+            self._files.opened(result["program"])
             if self._running is not None:
                 result["running"] = self._running
         if method == "start":

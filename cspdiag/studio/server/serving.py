@@ -9,11 +9,12 @@ from pathlib import Path
 import uvicorn
 from starlette.applications import Starlette
 
+from cspdiag.studio.engine.program_file import ProgramFile
 from cspdiag.studio.server.access import Access, SingleUse, new_token
 from cspdiag.studio.server.application import application
 from cspdiag.studio.server.engines import ENGINE
-from cspdiag.studio.server.program_files import ProgramFiles
 from cspdiag.studio.server.room import Room
+from cspdiag.studio.server.saved_files import SavedFiles
 
 LONGEST_MESSAGE = 4 * 1024 * 1024
 """Bytes of a message of a page; a longer one ends its connection."""
@@ -65,7 +66,7 @@ def serve(file: Path, page: Path, port: int, on_start: Callable[[str, str], None
         listener.bind(("127.0.0.1", port))
         first = SingleUse()
         access = Access(listener.getsockname()[1], new_token())
-        room = Room(ENGINE, ProgramFiles(file))
+        room = Room((*ENGINE, str(file)), SavedFiles(ProgramFile(str(file))))
         answering = application(room, access, first, page)
         origin = f"http://127.0.0.1:{access.port}"
         links = f"{origin}/?token={access.token}", f"{origin}/open?once={first.code}"

@@ -141,7 +141,7 @@ export class RunPanel {
     }
     this.ranVersion = this.workspace.version;
     // With the pictures, which other pages show, too.
-    return session.start(this.workspace.program, this.environment.value, this.speed.value === "1");
+    return session.start(this.workspace.program, this.environment.value);
   }
 
   /** Paints once in each frame of the screen, however much has happened. */

@@ -37,14 +37,14 @@ export class Session {
   }
 
   /** Begins a run of the program as it is now; it stands at its first instant. */
-  async start(program: Program, environment: string, realTime: boolean): Promise<boolean> {
+  async start(program: Program, environment: string): Promise<boolean> {
     await this.leave();
     this.phase = "starting";
     this.problem = "";
     this.changed();
     try {
       const chosen = environment === "" ? {} : { environment };
-      this.started = await this.engine.request("start", { ...program, ...chosen, ...(realTime ? { real_time: true } : {}) });
+      this.started = await this.engine.request("start", { ...program, ...chosen });
     } catch (problem) {
       this.fail(problem);
       return false;

@@ -15,10 +15,11 @@ import pytest
 pytest.importorskip("uvicorn")
 client = pytest.importorskip("websockets.sync.client")
 
+from cspdiag.studio.engine.program_file import ProgramFile  # noqa: E402
 from cspdiag.studio.server.access import Access, SingleUse  # noqa: E402
 from cspdiag.studio.server.application import application  # noqa: E402
-from cspdiag.studio.server.program_files import ProgramFiles  # noqa: E402
 from cspdiag.studio.server.room import Room  # noqa: E402
+from cspdiag.studio.server.saved_files import SavedFiles  # noqa: E402
 from cspdiag.studio.server.serving import StudioServer  # noqa: E402
 
 ENGINE = Path(__file__).with_name("scripted_engine.py")
@@ -76,7 +77,8 @@ class Studio:
         self._listener.bind(("127.0.0.1", 0))
         self.access = Access(self._listener.getsockname()[1], "the token")
         self.first = SingleUse()
-        self.room = Room([sys.executable, str(ENGINE), str(self.program)], ProgramFiles(self.program))
+        saved = SavedFiles(ProgramFile(str(self.program)))
+        self.room = Room([sys.executable, str(ENGINE), str(self.program)], saved)
         answering = application(self.room, self.access, self.first, page)
         self.server = StudioServer(answering, self.room, lambda: None)
         self._thread = threading.Thread(target=lambda: self.server.run(sockets=[self._listener]))

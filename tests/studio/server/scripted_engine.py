@@ -37,7 +37,8 @@ def main(file: str) -> None:
         method, params = request["method"], request["params"]
         result: Any = {"method": method, "params": params}
         if method == "hello":
-            result = {}
+            with open(file, encoding="utf-8") as text:
+                result = {"program": {"files": {"a.csp": text.read()}, "main": "a.csp"}}
         if method == "start":
             result = {"session": "1"}
         if method == "play":

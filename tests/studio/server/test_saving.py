@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from cspdiag.studio.server.program_files import ProgramFiles
 from tests.studio.server.running_studio import Studio
 
 BEFORE = "process A() = SKIP\n"
@@ -65,22 +64,3 @@ def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
         page.ask("hello")
         assert "surrogate" in _saved(page, "a.csp", "\ud800")
         assert _saved(page, "a.csp", 5) == "`file` and `text` are texts"
-
-
-def test_imported_files_and_what_lies_beside_belong_to_the_program(tmp_path: Path) -> None:
-    folder = tmp_path / "own programs"
-    (folder / "library").mkdir(parents=True)
-    texts = {
-        "main.csp": 'import "library/parts.csp"\nimport "nothing.csp"\n',
-        "library/parts.csp": 'import "../../shared.csp"\n',
-        "library/law.py": "class Law: ...\n",
-        "main.svg": "<svg/>\n",
-        "notes.txt": "not a part of it\n",
-    }
-    for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    (tmp_path / "shared.csp").write_text('import "own programs/main.csp"\n', encoding="utf-8")
-    program = ProgramFiles(folder / "main.csp").load()
-    assert program["main"] == "own programs/main.csp"
-    own = {f"own programs/{name}": text for name, text in texts.items() if name != "notes.txt"}
-    assert program["files"] == {"shared.csp": 'import "own programs/main.csp"\n', **own}

@@ -1,0 +1,55 @@
+"""Saves the files of the program that the studio was started with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from cspdiag.base.errors import file_error
+from cspdiag.base.files.whole import write_whole
+from cspdiag.base.span import with_line_feeds
+from cspdiag.studio.engine.program_file import ProgramFile
+from cspdiag.studio.server.refusal import RefusedError
+
+_WHEN_CHANGED = "copy what you want to keep, and reload the page"
+
+
+class SavedFiles:
+    """Saves the files of a program as pages know them: only these, and only while nobody else changes them."""
+
+    def __init__(self, file: ProgramFile) -> None:
+        self._file = file
+        self._folder = Path(file.own_folder)
+        self._names: frozenset[str] = frozenset()
+
+    @property
+    def command_folder(self) -> str:
+        """The folder of the program."""
+        return self._file.own_folder
+
+    def opened(self, program: Mapping[str, Any]) -> None:
+        """Pages get this program, of the engine that has read it."""
+        self._folder = Path(self._file.folder(program["main"]))
+        self._names = frozenset(program["files"])
+
+    def save(self, name: object, text: object, before: object) -> None:
+        """Replace a file as a whole; ``before`` is what it contained when the page got it. Raises RefusedError."""
+        if not isinstance(name, str) or not isinstance(text, str):
+            raise RefusedError("`file` and `text` are texts")
+        if name not in self._names:
+            raise RefusedError(f"{name} is not a file of the program that the studio was started with")
+        path = self._folder / name
+        try:
+            data = text.encode()
+        except UnicodeEncodeError:
+            raise RefusedError(f"{name} has half of a character of two code units (a surrogate)") from None
+        try:
+            present = path.read_bytes()
+            if with_line_feeds(present.decode(errors="replace")) != before:
+                raise RefusedError(f"{name} has changed on disk since this page was opened", _WHEN_CHANGED)
+            if b"\r\n" in present:
+                data = with_line_feeds(text).replace("\n", "\r\n").encode()
+            write_whole(path, data)
+        except OSError as problem:
+            raise RefusedError(f"not saved: {file_error(problem)}") from None
