@@ -78,12 +78,15 @@ def test_a_wrong_line_is_reported_and_the_run_continues(cspdiag: Command, progra
     ]
 
 
-@pytest.mark.parametrize("options", [(), ("-O", "reference"), ("--target", "c")], ids=str)
-def test_a_change_that_makes_no_sense_is_refused(cspdiag: Command, tmp_path: Path, options: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("kind", ["int", "double"])
+@pytest.mark.parametrize("options", [("-O0",), ("-O1",), ("-O", "reference"), ("--target", "c")], ids=str)
+def test_a_change_that_makes_no_sense_is_refused(
+    cspdiag: Command, tmp_path: Path, options: tuple[str, ...], kind: str
+) -> None:
     program = tmp_path / "main.csp"
     program.write_text(
-        "parameter n : int = 1\nconst share = 12 / n\n"
-        "process Main { out y : int composition { mu (y ! share ; wait 10 ms) } }\n"
+        f"parameter n : {kind} = 1\nconst share = 12 / n\n"
+        f"process Main {{ out y : {kind} composition {{ mu (y ! share ; wait 10 ms) }} }}\n"
         "environment World for Main { y -> _ }\n",
         encoding="utf-8",
     )

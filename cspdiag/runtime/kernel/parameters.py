@@ -7,6 +7,8 @@ from math import isfinite
 from threading import Lock
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from .exceptions import fault_of
+
 T = TypeVar("T")
 
 
@@ -92,7 +94,8 @@ class ProgramParameters:
         except Exception as problem:
             for one, value in before:
                 one.value = value
-            self.refused.append((change, str(problem)))
+            reason = fault_of(problem, None) if isinstance(problem, ArithmeticError) else problem
+            self.refused.append((change, str(reason)))
             return False
         return True
 
