@@ -21,6 +21,7 @@ COMPARED = ("python-O0", "python-O1", "c-O0", "c-O1")
 HUGE = {
     f"tests/conformance/programs/{name}.csp"
     for name in (
+        "computed_arguments_that_are_not_finite",
         "faults_change_nothing",
         "faults_of_constants",
         "faults_of_laws_known_before_the_run",

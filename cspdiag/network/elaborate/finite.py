@@ -40,7 +40,12 @@ _NONE: frozenset[str] = frozenset()
 
 def assured(expression: Expression) -> Expression:
     """An expression whose value is stored or written, with its tests."""
-    return _stored(within_domains(expression), _NONE)
+    return stored(within_domains(expression))
+
+
+def stored(expression: Expression) -> Expression:
+    """An expression that is stored or written, with tests of its value; tests that it has stay as they are."""
+    return _stored(expression, _NONE)
 
 
 def assured_law(
@@ -163,7 +168,15 @@ def _may_be_none(expression: Expression, untested: set[str] | frozenset[str]) ->
 
 
 def _is_part_of_any(whole: Expression, untested: set[str] | frozenset[str]) -> bool:
-    """Whether an array or a struct is one of ``untested`` or a part of it."""
+    """Whether an array or a struct is one of ``untested``, a part of it, or made of what may be infinite or NaN."""
     while isinstance(whole, FieldValue | ElementValue):
         whole = whole.operand
-    return isinstance(whole, SignalValue) and whole.name in untested
+    match whole:
+        case SignalValue(name=name):
+            return name in untested
+        case StructValue(values=parts) | ArrayElements(values=parts):
+            return any(_may_be_none(part, untested) or _is_part_of_any(part, untested) for part in parts)
+        case ConditionalValue(then=then, otherwise=otherwise):
+            return _is_part_of_any(then, untested) or _is_part_of_any(otherwise, untested)
+        case _:  # What else is an array or a struct was tested when it was stored.
+            return False

@@ -26,6 +26,7 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
 )
 from cspdiag.network.ir.walk import parts
+from cspdiag.network.lower.computed_arguments import law_with_arguments, names_of_law, process_with_arguments
 from cspdiag.network.lower.distinct_names import DistinctNames
 from cspdiag.syntax import ast
 
@@ -108,10 +109,11 @@ class _Computed:
 
     def make(self, entry: Class, name: str, computed: Mapping[str, Expression]) -> None:
         """Makes a class with these values of parameters that it no longer has, in terms of its own parameters."""
-        if computed:
-            entry = rewritten(entry, lambda part: _substituted(part, computed))
         if isinstance(entry, ProcessClass):
+            entry = process_with_arguments(entry, computed) if computed else entry
             entry = replaced(entry, instances=tuple(map(self._instance, entry.instances)))
+        elif computed:
+            entry = law_with_arguments(entry, computed)
         kept = tuple(parameter for parameter in entry.parameters if parameter.name not in computed)
         self.made[name] = replaced(entry, name=name, parameters=kept)
 
@@ -146,12 +148,6 @@ class _Computed:
         return name
 
 
-def _substituted(part: Any, computed: Mapping[str, Expression]) -> Any:
-    if isinstance(part, TunableValue) and not part.of_program and part.name in computed:
-        return computed[part.name]
-    return part
-
-
 def _leaf(part: Any, names: DistinctNames, leaves: dict[tuple[type, str], _Leaf]) -> Any:
     """A parameter of the class around an instance as one of the class of the instance."""
     if not isinstance(part, ParameterValue | TunableValue) or (isinstance(part, TunableValue) and part.of_program):
@@ -169,10 +165,9 @@ def _parameter(leaf: _Leaf, inner: Class) -> ClassParameter:
 
 def _names_of(entry: Class) -> set[str]:
     """The names that something in a class has already."""
-    named = [*entry.parameters, *entry.ports]
     if isinstance(entry, ProcessClass):
-        return {item.name for item in (*named, *entry.channels, *entry.instances)}
-    return {item.name for item in (*named, *entry.constants, *entry.states, *entry.equations)}
+        return {item.name for item in (*entry.parameters, *entry.ports, *entry.channels, *entry.instances)}
+    return names_of_law(entry)
 
 
 class _Lifted:

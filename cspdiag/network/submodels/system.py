@@ -4,7 +4,6 @@ integration needs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, Literal
 
 from cspdiag.base import Report
@@ -22,6 +21,7 @@ from cspdiag.network.submodels.discretize import Method, spectral_radius, states
 from cspdiag.network.submodels.draft import Draft, LinearOperator
 from cspdiag.network.submodels.equation_order import Item, ordered, provides
 from cspdiag.network.submodels.linear import linear_blocks
+from cspdiag.network.submodels.next_values import computed_first, output_signals
 from cspdiag.network.submodels.vector_states import split_vector_states
 
 
@@ -38,12 +38,7 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
 
     None if there are algebraic loops or impossible coefficients, which are reported.
     """
-    outputs = {
-        port.name if port.size is None else f"{port.name}[{index}]"
-        for port in system.ports
-        for index in range(1 if port.size is None else port.size)
-        if port.direction == "out"
-    }
+    outputs = output_signals(system)
     split_vector_states(draft)
     items = evaluation_order(draft, report)
     if items is None or not draft.complete:
@@ -60,13 +55,16 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     equations, following = assured_law(plain, draft.next_values, outputs, untested)
     moving = [replaced(item, value=within_domains(item.value)) for item in _while_integrating(draft, plain)]
     slopes = {name: within_domains(draft.derivatives[name]) for name in draft.states if name in draft.derivatives}
-    equations, next_values = _computed_first(draft, equations, following)
+    states = tuple(replaced(state, change=draft.changes.get(name)) for name, state in draft.states.items())
+    next_values = tuple((state.name, following[state.name]) for state in states if state.name in following)
+    if not draft.closed:
+        equations, next_values = computed_first(equations, next_values, states, draft.unique)
     method: Literal["rk4", "euler"] = "euler" if draft.methods and set(draft.methods) == {"euler"} else "rk4"
     return replaced(
         system,
         parameters=tuple(draft.parameters.values()),
         constants=constants,
-        states=tuple(replaced(state, change=draft.changes.get(name)) for name, state in draft.states.items()),
+        states=states,
         equations=equations,
         next_values=next_values,
         derivative_equations=tuple(moving),
@@ -95,27 +93,6 @@ def _decisive(draft: Draft, constants: tuple[SubmodelEquation, ...]) -> tuple[st
     return tuple(item.name for item in constants if item.name in decisive)
 
 
-def _computed_first(
-    draft: Draft, equations: tuple[Item, ...], following: Mapping[str, Expression]
-) -> tuple[tuple[Item, ...], tuple[tuple[str, Expression], ...]]:
-    """The equations and next values, where next values that may fault, or that read continuous states, become
-    equations: those are computed before any state changes.
-    """
-    computed: list[Item] = list(equations)
-    next_values: list[tuple[str, Expression]] = []
-    for name, state in draft.states.items():
-        value = following.get(name)
-        if value is None:
-            continue
-        is_late = may_fault(value) or not draft.derivatives.keys().isdisjoint(signals_read(value))
-        if is_late and not draft.closed:
-            local, span = draft.unique(f"{name}_next"), draft.changes.get(name, state.span)
-            computed.append(SubmodelEquation(name=local, type=state.type, value=value, span=span))
-            value = SignalValue(type=state.type, name=local)
-        next_values.append((name, value))
-    return tuple(computed), tuple(next_values)
-
-
 def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:
     """The diagnostic of a loop, from the outermost of its equations on; signals that the compiler has named are shown
     by their text.
@@ -127,7 +104,7 @@ def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:
 
 
 def _constants_apart(
-    draft: Draft, items: tuple[Item, ...], outputs: set[str]
+    draft: Draft, items: tuple[Item, ...], outputs: frozenset[str]
 ) -> tuple[tuple[SubmodelEquation, ...], tuple[Item, ...]]:
     """The equations over parameters only, which become constants, and the others.
 
@@ -183,7 +160,7 @@ def _varies(expression: Expression) -> bool:
 
 
 def _alive(
-    draft: Draft, constants: tuple[SubmodelEquation, ...], equations: tuple[Item, ...], outputs: set[str]
+    draft: Draft, constants: tuple[SubmodelEquation, ...], equations: tuple[Item, ...], outputs: frozenset[str]
 ) -> set[str]:
     """The signals to compute: those that outputs and states need, and those of the submodel itself (without a dot in
     their names) that cannot fault.
