@@ -105,6 +105,16 @@ def test_assertions_get_the_same_verdicts(browser: Browser, name: str) -> None:
     assert verdicts[0] == verdicts[1]
 
 
+def test_a_refinement_gets_the_same_answer(browser: Browser) -> None:
+    folder = JIWY.parent
+    files = {path.name: path.read_text() for path in folder.glob("*.csp")}
+    model = {"files": files, "main": "stolen_button.csp"}
+    for (answer,) in (browser.ask("verify", **model), Talk().ask("verify", **model)):
+        assert answer["verdict"] == "fails"
+        assert "where the specification allows only the end" in answer["text"]
+        assert answer["counterexample"]["steps"]
+
+
 def test_timing_is_the_same(browser: Browser, jiwy: dict[str, Any]) -> None:
     assert browser.ask("timing", **jiwy) == Talk().ask("timing", **jiwy)
 

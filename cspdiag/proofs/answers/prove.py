@@ -9,7 +9,6 @@ from cspdiag.base.record import replaced
 from cspdiag.proofs.answers.answer import MOST_SHOWN, Answer
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Failure, counterexample
-from cspdiag.proofs.search.all_states import has_vectors
 from cspdiag.proofs.transitions.classes.distinguished import AsSpecification, Distinction, Distinguished
 from cspdiag.proofs.transitions.systems.system import Abstraction, System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
@@ -110,9 +109,6 @@ def _terminates(question: Question, system: System, limits: Limits) -> Answer:
 
 
 def _refines(question: Question, system: System, specification: System, limits: Limits) -> Answer:
-    if not has_vectors():
-        reason = "refinement is proved with numpy, which this engine does not have"
-        return _verdict(question, system, Unknown("breadth-first", reason), "refinement")
     from cspdiag.proofs.refine.refinement import refines_in_failures, refines_in_traces
 
     refines = refines_in_failures if question.model == "failures" else refines_in_traces

@@ -14,6 +14,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
+from cspdiag.proofs.refine import refinement
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.confirm import Verifier
 from tests.proofs.refine.oracle import Sight, refines
@@ -72,8 +73,9 @@ def comparison(seed: int) -> str:
     return f"{answer.outcome}, {truth}"
 
 
-@pytest.mark.parametrize("first", range(0, 60, 30))
-def test_answers_are_true(first: int) -> None:
+@pytest.mark.parametrize(("first", "vectors"), [(0, True), (30, True), (60, False), (90, False)])
+def test_answers_are_true(first: int, vectors: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(refinement, "has_vectors", lambda: vectors)
     found = Counter(comparison(seed) for seed in range(first, first + 30))
     assert found["proved, refines"] >= 2, found
     assert found["refuted, violates"] >= 2, found

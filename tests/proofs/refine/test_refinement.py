@@ -10,6 +10,7 @@ from typing import TypeAlias
 import pytest
 
 from cspdiag.proofs.reduce import reduction
+from cspdiag.proofs.refine import refinement
 from cspdiag.proofs.refine.refinement import refines_in_failures, refines_in_traces
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Event, System
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
@@ -17,6 +18,11 @@ from tests.proofs.systems import known, naive
 from tests.proofs.systems.known import Machine, compose, cycle
 
 ONE_PLACE = compose([cycle("buffer", "accept", "deliver")], visible=["accept", "deliver"])
+
+
+@pytest.fixture(autouse=True, params=[True, False], ids=["by vectors", "one by one"])
+def vectors(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(refinement, "has_vectors", lambda: request.param)
 
 
 def words(system: System, verdict: Verdict) -> list[str]:
