@@ -6,9 +6,11 @@ BIN    := $(VENV)/bin
 MODEL  := models/jiwy/jiwy.csp
 VSCODE := editors/vscode
 STUDIO := studio
+PAGE   := $(STUDIO)/build/index.html
+ENGINE := $(STUDIO)/build/engine/cspdiag.zip
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test hunt check bench fmt docs site pictures cases grammar vscode test-vscode pictures-vscode studio test-studio pictures-studio clean
+.PHONY: help setup run test hunt check bench fmt docs site pictures cases grammar vscode test-vscode pictures-vscode page studio playground test-studio pictures-studio clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -24,7 +26,7 @@ run: $(VENV)/.stamp-run ## Compile JIWY, drive the plant, leave a picture and a 
 	@echo "the picture is build/jiwy.svg, the summary build/jiwy.txt, the controller build/jiwy/"
 
 # Three at once on two cores: many tests wait. Bytecode is written whatever the environment says: every worker would compile all tests again.
-test: $(VENV)/.stamp-dev ## Run the whole test suite
+test: $(VENV)/.stamp-dev page ## Run the whole test suite
 	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n 3 --dist worksteal
 
 hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for some hours
@@ -92,11 +94,20 @@ pictures-vscode: vscode $(VSCODE)/test/e2e/node_modules/.stamp ## Make the pictu
 studio: $(STUDIO)/node_modules/.stamp ## Build the page of the studio: studio/build; needs node and npm
 	cd $(STUDIO) && npm run --silent check && npm run --silent build
 
-playground: studio third-party/VERSIONS ## Add to that page the engine that runs in browsers: studio/build/engine
-	$(BIN)/python distribution/playground.py
+playground: studio $(ENGINE) ## Add to that page the engine that runs in browsers: studio/build/engine
 
-test-studio: $(VENV)/.stamp-dev studio ## Test that page in chromium
-	$(BIN)/pytest -rs tests/studio/test_page.py
+test-studio: $(VENV)/.stamp-dev studio $(ENGINE) ## Test that page in chromium, with all models
+	WITH_ALL_MODELS=1 $(BIN)/pytest -rs tests/studio/test_page.py tests/studio/test_browser.py
+
+# What the suite needs to test that page and that engine. Where they cannot be built, those tests are skipped and say so.
+page: third-party/VERSIONS
+	@if ! node -e 'process.exit(parseInt(process.versions.node) < 20 ? 1 : 0)' || ! command -v npm > /dev/null; then \
+	    echo "node 20 and npm build the page of the studio, and are not there: its tests are skipped"; \
+	elif [ ! -d third-party/elkjs ] || ! $(MAKE) --no-print-directory $(STUDIO)/node_modules/.stamp; then \
+	    echo "npm cannot install what the page of the studio is built from: its tests are skipped"; \
+	else \
+	    $(MAKE) --no-print-directory $(PAGE) $(ENGINE); \
+	fi
 
 pictures-studio: studio ## Make the pictures of that page in the documentation; look at them
 	cd $(STUDIO) && SCREENSHOTS=build/screenshots npm run --silent test:e2e
@@ -129,6 +140,13 @@ $(VSCODE)/node_modules/.stamp: $(VSCODE)/package-lock.json
 $(STUDIO)/node_modules/.stamp: $(STUDIO)/package-lock.json
 	cd $(STUDIO) && npm ci --no-audit --no-fund
 	@touch $@
+
+$(PAGE): $(STUDIO)/node_modules/.stamp $(STUDIO)/index.html $(STUDIO)/esbuild.mjs $(shell find $(STUDIO)/src editors/vscode/src/webview -type f)
+	cd $(STUDIO) && npm run --silent build
+
+$(ENGINE): $(STUDIO)/node_modules/.stamp third-party/VERSIONS distribution/playground.py distribution/bytecode.mjs docs/language-in-brief.md \
+    $(shell find cspdiag grammars manual models templates -type f -not -path '*/__pycache__/*')
+	$(BIN)/python distribution/playground.py
 
 # Its own scripts would also fetch from GitHub, as root only if forced, what the test does without: Kerberos, full-text search.
 CODE_SERVER := $(VSCODE)/test/e2e/node_modules/code-server/lib/vscode

@@ -24,38 +24,50 @@ has_packages = pytest.mark.skipif(
     shutil.which("npm") is None or not (FOLDER / "node_modules").is_dir(),
     reason="studio/node_modules is not there: `make studio` installs it with npm",
 )
+has_page = pytest.mark.skipif(
+    shutil.which("npm") is None or not (FOLDER / "build" / "index.html").exists(),
+    reason="the page is not built: `make studio` builds it with npm",
+)
+has_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not there")
 
 
-def npm(*arguments: str, **environment: str) -> None:
-    done = subprocess.run(
-        ["npm", "run", "--silent", *arguments], cwd=FOLDER, capture_output=True, text=True, env=os.environ | environment
-    )
+def run(*command: str) -> None:
+    environment = {**os.environ, "PYTHON": sys.executable, "CHROMIUM": str(CHROMIUM)}
+    done = subprocess.run(command, cwd=FOLDER, capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 @has_packages
-def test_its_unit_tests_pass() -> None:
-    npm("test:unit")
-
-
-@has_packages
 @pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not there")
-def test_it_works_in_a_browser() -> None:
-    npm("build")
-    npm("test:e2e", PYTHON=sys.executable, CHROMIUM=str(CHROMIUM))
+def test_its_types_and_its_style_are_right() -> None:
+    run("npm", "run", "--silent", "check")
 
 
 @has_packages
+def test_its_unit_tests_pass() -> None:
+    run("npm", "run", "--silent", "test:unit")
+
+
+@has_page
+@has_browser
+@pytest.mark.slow
+@pytest.mark.parametrize("part", ["page", "server", "playground", "engine"])
+def test_it_works_in_a_browser(part: str) -> None:
+    if part == "engine" and "WITH_ALL_MODELS" not in os.environ:
+        pytest.skip("the tour through all models takes minutes: `make test-studio`")
+    if part == "playground" and not (FOLDER / "build" / "engine" / "cspdiag.zip").exists():
+        pytest.skip("the engine for browsers is not built: `make playground`")
+    run("node", "--test", f"test/e2e/{part}.test.mjs")
+
+
+@has_page
 def test_it_is_small() -> None:
-    npm("build")
     parts = [FOLDER / "build" / name for name in ("index.html", "main.js", "main.css")]
     assert sum(len(gzip.compress(part.read_bytes())) for part in parts) <= LARGEST
 
 
-@has_packages
+@has_page
 def test_it_fetches_nothing_from_elsewhere() -> None:
-    npm("build")
     page = (FOLDER / "build" / "index.html").read_text()
     assert "default-src 'none'" in page
     assert re.findall(r"""(?:src|href)="(?!data:,|main\.)[^"]*""", page) == []

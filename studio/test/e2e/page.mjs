@@ -13,22 +13,25 @@ export const MODELS = path.join(HERE, "../../../models");
 export const REAL = [PYTHON, "-m", "cspdiag.studio.engine"];
 export const SCRIPTED = [process.execPath, path.join(HERE, "scripted.mjs")];
 export const HOSTILE = [...SCRIPTED, "hostile"];
+/** No command: the engine is part of the page. */
+export const IN_BROWSER = undefined;
 
 export class Studio {
   static async start(command) {
     const studio = new Studio();
     studio.server = await serve({ command });
+    studio.address = command === IN_BROWSER ? studio.server.address.replace(/\?.*/, "") : studio.server.address;
     studio.browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
     return studio;
   }
 
   /** A page whose diagram is drawn; what it complains about is in `complaints`. */
-  async open({ width = 1600, height = 900, colorScheme = "light", hash = "" } = {}) {
+  async open({ width = 1600, height = 900, colorScheme = "light", hash = "", patience = 20_000 } = {}) {
     const page = await this.browser.newPage({ viewport: { width, height }, colorScheme, hasTouch: width < 500 });
-    page.setDefaultTimeout(20_000);
+    page.setDefaultTimeout(patience);
     page.complaints = [];
     page.on("pageerror", (error) => page.complaints.push(error.message));
-    await page.goto(`${this.server.address}${hash}`);
+    await page.goto(`${this.address}${hash}`);
     await page.locator("#ui-diagram svg").waitFor({ state: "attached" });
     return page;
   }

@@ -137,40 +137,40 @@ test("a link holds the program", async () => {
 });
 
 for (const [width, height] of [[390, 844], [1024, 768], [1600, 900]]) {
-  for (const colorScheme of ["light", "dark"]) {
-    test(`everything is within reach at ${width} in ${colorScheme}, and axe finds nothing serious`, async () => {
-      const page = await studio.open({ width, height, colorScheme });
-      if (width < 500) await page.getByRole("tab", { name: "Run" }).first().click();
-      await page.locator("#ui-run-button").click();
-      await page.waitForTimeout(900);
-      await page.locator("#ui-run-button").click();
-      await screenshot(page, `run-${width}-${colorScheme}`);
-      const tooWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
-      assert.equal(tooWide, false, "the page is wider than the screen");
-      await page.evaluate(AXE);
-      const check = async (part) => {
-        const { violations } = await page.evaluate(() => axe.run());
+  test(`everything is within reach at ${width}, light and dark, and axe finds nothing serious`, async () => {
+    const page = await studio.open({ width, height });
+    const phone = width < 500;
+    if (phone) await page.getByRole("tab", { name: "Run" }).first().click();
+    await page.locator("#ui-run-button").click();
+    await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.6);
+    await page.locator("#ui-run-button").click();
+    const tooWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+    assert.equal(tooWide, false, "the page is wider than the screen");
+    await page.evaluate(AXE);
+    const check = async (part) => {
+      for (const colorScheme of ["light", "dark"]) {
+        await page.emulateMedia({ colorScheme });
+        const { violations } = await page.evaluate(() => axe.run({ resultTypes: ["violations"] }));
         const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
-        assert.deepEqual(serious.map(({ id, nodes }) => [id, nodes.map((node) => node.html.slice(0, 120))]), [], part);
+        assert.deepEqual(serious.map(({ id, nodes }) => [id, nodes.map((node) => node.html.slice(0, 120))]), [], `${part}, ${colorScheme}`);
         await screenshot(page, `${part.toLowerCase()}-${width}-${colorScheme}`);
-      };
-      const parts = width < 500 ? ["Text", "Diagram", "Run"] : ["Run"];
-      for (const part of parts) {
-        if (width < 500) await page.getByRole("tab", { name: part }).first().click();
-        await check(part);
       }
-      await page.getByRole("tab", { name: "Prove" }).click();
-      await page.getByRole("button", { name: "Prove all" }).click();
-      await page.getByRole("button", { name: "Show the counterexample" }).click();
-      await check("Prove");
-      await page.getByRole("tab", { name: "Generate" }).click();
-      await page.getByRole("button", { name: "Generate" }).click();
-      await page.locator("#ui-listing", { hasText: "int main" }).waitFor();
-      await check("Generate");
-      assert.deepEqual(page.complaints, []);
-      await page.close();
-    });
-  }
+    };
+    for (const part of phone ? ["Text", "Diagram", "Run"] : ["Run"]) {
+      if (phone) await page.getByRole("tab", { name: part }).first().click();
+      await check(part);
+    }
+    await page.getByRole("tab", { name: "Prove" }).click();
+    await page.getByRole("button", { name: "Prove all" }).click();
+    await page.getByRole("button", { name: "Show the counterexample" }).click();
+    await check("Prove");
+    await page.getByRole("tab", { name: "Generate" }).click();
+    await page.getByRole("button", { name: "Generate" }).click();
+    await page.locator("#ui-listing", { hasText: "int main" }).waitFor();
+    await check("Generate");
+    assert.deepEqual(page.complaints, []);
+    await page.close();
+  });
 }
 
 test("hostile texts stay texts, wherever they reach the page", async () => {

@@ -1,0 +1,77 @@
+// The page with the engine of the browser: Python as WebAssembly in a worker, as the playground has it.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { after, before, test } from "node:test";
+import { IN_BROWSER, MODELS, PYTHON, Studio, screenshot, write } from "./page.mjs";
+
+let studio;
+let page;
+
+before(async () => {
+  studio = await Studio.start(IN_BROWSER);
+  page = await studio.open({ patience: 60_000 });
+});
+after(() => studio?.close());
+
+/** What the worker answers, asked beside the page. */
+function ask(method, params) {
+  const [worker] = page.workers();
+  return worker.evaluate(
+    ([id, asked, given]) =>
+      new Promise((resolve) => {
+        const post = self.postMessage;
+        self.postMessage = (message) => (message.id === id ? resolve(message.result) : post.call(self, message));
+        self.onmessage({ data: { id, method: asked, params: given } });
+        self.postMessage = post;
+      }),
+    ["beside the page", method, params],
+  );
+}
+
+test("JIWY is checked, drawn and run, in this browser", async () => {
+  await page.getByText("In this browser").waitFor();
+  await page.getByText("No problems").waitFor();
+  await page.locator("#Jiwy-horizontal").waitFor();
+  await page.locator("#ui-run-button").click();
+  await page.locator("#ui-plots .plot").first().waitFor();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.5);
+  await page.locator("#Jiwy-horizontal.running").waitFor();
+  await screenshot(page, "playground");
+  await page.locator("#ui-run-button").click();
+});
+
+test("a recording is that of the command line to the byte", async () => {
+  const folder = mkdtempSync(path.join(tmpdir(), "cspdiag-playground-"));
+  const jiwy = path.join(MODELS, "jiwy");
+  execFileSync(PYTHON, ["-m", "cspdiag", "run", path.join(jiwy, "jiwy.csp"), "--for", "300ms", "--record", path.join(folder, "run.csv")]);
+  const files = Object.fromEntries(["jiwy.csp", "laws.csp", "plant.csp"].map((name) => [name, readFileSync(path.join(jiwy, name), "utf8")]));
+  const { csv } = await ask("run", { files, main: "jiwy.csp", until: "300 ms" });
+  assert.equal(csv, readFileSync(path.join(folder, "run.csv"), "utf8"));
+  rmSync(folder, { recursive: true });
+});
+
+test("a slip is found as it is written", async () => {
+  await write(page, "const period = 1 ms\nconst slow = 10 * peroid\n");
+  await page.locator("#ui-problems li", { hasText: "there is no value" }).waitFor();
+});
+
+test("the philosophers are proved to deadlock, which is shown step by step", async () => {
+  await page.getByLabel("Example", { exact: true }).selectOption("dining/deadlock");
+  await page.locator("#ui-diagram svg", { hasText: "philosopher" }).waitFor();
+  await page.getByRole("tab", { name: "Prove" }).click();
+  await page.getByRole("button", { name: "Prove all" }).click();
+  await page.getByRole("button", { name: "Show the counterexample" }).first().click();
+  await page.locator("#ui-film li button", { hasText: "philosopher[0].first" }).first().click();
+  await page.locator("#ui-diagram .communicating").first().waitFor({ state: "attached" });
+});
+
+test("C is generated", async () => {
+  await page.getByRole("tab", { name: "Generate" }).click();
+  await page.getByLabel("Target").selectOption("c");
+  await page.getByRole("button", { name: "Generate" }).click();
+  await page.locator("#ui-listing", { hasText: "csp_" }).waitFor();
+  assert.deepEqual(page.complaints, []);
+});
