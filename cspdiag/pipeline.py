@@ -153,15 +153,16 @@ def changed(
     suspects: tuple[Label, ...] = (),
     *,
     trees: Sequence[SourceTree] | None = None,
+    for_findings: bool = False,
 ) -> Checked:
     """A program without errors, checked with other values of its constants; its text is not read again.
 
-    Errors show the ``suspects``. ``trees`` take the places of those of its files.
+    Errors show the ``suspects``. ``trees`` take the places of those of its files. ``for_findings`` as for ``check``.
     """
     assert checked.program is not None
     report = Report()
     report.suspects = suspects
-    return _checked(trees or checked.program.trees, constants, report, real=checked.real)
+    return _checked(trees or checked.program.trees, constants, report, for_findings=for_findings, real=checked.real)
 
 
 def _checked(
@@ -324,16 +325,18 @@ def _check_with(
     for_findings: bool = False,
 ) -> tuple[Checked, Overrides]:
     """The checked program with constants set, and the settings as values; ``roots`` finds what is to be compiled.
-    ``for_findings`` as for ``check``, without settings.
+    ``for_findings`` as for ``check``, if no parameter of an instance is set.
     """
     from cspdiag.settings import NO_OVERRIDES, parse_settings
 
-    checked = check(main, read, real=real, for_findings=for_findings and not settings)
-    if checked.program is None or checked.analysis is None or checked.report.has_errors or not settings:
+    checked = check(main, read, real=real, for_findings=for_findings)
+    analysis = checked.analysis if checked.fewer is None else checked.fewer.checked.analysis
+    if checked.program is None or analysis is None or checked.report.has_errors or not settings:
         return checked, NO_OVERRIDES
-    overrides = parse_settings(checked.program, settings, roots(checked.program, checked.analysis))
-    if overrides.constants:
-        return changed(checked, overrides.constants, overrides.places), overrides
+    overrides = parse_settings(checked.program, settings, roots(checked.program, analysis))
+    if overrides.constants or checked.fewer is not None:
+        for_findings = for_findings and not overrides.parameters
+        return changed(checked, overrides.constants, overrides.places, for_findings=for_findings), overrides
     checked.report.suspects = overrides.places
     return checked, overrides
 
@@ -377,7 +380,7 @@ def proof_obligations(
         )
         if len(proved) == len(questions) > 0:
             return ProofObligations(checked=checked, questions=questions, networks={}, parameters={}, proved=proved)
-        checked = _checked(checked.program.trees, {}, Report(), real=real)
+        checked = changed(checked, overrides.constants, overrides.places)
     obligations = ProofObligations(
         checked=checked, questions=(), networks={}, parameters=overrides.parameters, proved=proved
     )

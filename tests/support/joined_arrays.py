@@ -5,6 +5,7 @@ the ends.
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -131,3 +132,15 @@ def served_array(seed: int, size: int) -> str:
          "for i < size { client[i].request -> server.request[i]", "server.reply[i] -> client[i].reply }", "}",
          "composition { server || (par i < size : client[i]) } }", "assert Whole deadlock free", ""]
     )  # fmt: skip
+
+
+def pausing(text: str, seed: int) -> str:
+    """The program with delays after some of its communications, at random, and asserted to be free from livelock."""
+    chosen = random.Random(seed)
+    often = chosen.choice([0.1, 0.3, 0.6])
+
+    def paused(match: re.Match[str]) -> str:
+        return f"({match[0]} ; wait 1 ms)" if chosen.random() < often else match[0]
+
+    text = re.sub(r"\w+(?:\[[^]]*\])? [!?] \w+(?! *->)(?! \+)", paused, text)
+    return text.replace("deadlock free", "livelock free")

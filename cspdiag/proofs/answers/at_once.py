@@ -28,8 +28,10 @@ def answers_at_once(
     answers: dict[Question, Answer] = {}
     for question in questions:
         began = time.monotonic()
-        network = few(question.process) if question.claim == "deadlock free" else None
-        found = network and proved_for_many(program, varying, question.process, network)
+        if question.claim not in ("deadlock free", "livelock free"):
+            continue
+        network = few(question.process)
+        found = network and proved_for_many(program, varying, question.process, question.claim, network)
         if found:
             answers[question] = Answer(question, "proved", found.method, found.reason, time.monotonic() - began)
     return questions, answers

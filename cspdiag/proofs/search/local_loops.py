@@ -21,15 +21,15 @@ def looping_part(system: System, events: Iterable[int]) -> System | None:
     """
     components = list(system.components)
     kept = set(events) | {INTERNAL}
-    offered = [_offered(component) for component in components]
+    offered = [offered_by(component) for component in components]
     lost = {event for event in kept - {INTERNAL} if not _is_offered(system, event, offered)}
     changed: Iterable[int] = range(len(components))
     while changed:
         kept -= lost
         lost = set()
         for party in changed:
-            components[party] = _looping(components[party], kept)
-            left = _offered(components[party])
+            components[party] = looping(components[party], kept)
+            left = offered_by(components[party])
             lost |= (offered[party] - left) & kept
             offered[party] = left
         # The remaining edges of other components lie on cycles as before.
@@ -39,7 +39,7 @@ def looping_part(system: System, events: Iterable[int]) -> System | None:
     return replaced(system, components=tuple(components))
 
 
-def _looping(component: Component, events: set[int]) -> Component:
+def looping(component: Component, events: set[int]) -> Component:
     """The component with only the edges with these events that lie on cycles of such edges."""
     edges: list[list[Edge]] = [[edge for edge in offered if edge[0] in events] for offered in component.edges]
     if not any(edges):
@@ -57,7 +57,8 @@ def _looping(component: Component, events: set[int]) -> Component:
     )
 
 
-def _offered(component: Component) -> set[int]:
+def offered_by(component: Component) -> set[int]:
+    """The events that a component offers in some state."""
     return {event for edges in component.edges for event, _ in edges if event != INTERNAL}
 
 

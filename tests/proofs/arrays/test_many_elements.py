@@ -27,7 +27,7 @@ from tests.proofs.systems.known import compose, cycle
 from tests.support.counting import lines
 from tests.support.joined_arrays import joined_arrays, served_array
 
-NETWORKS = Path(__file__).parents[2] / "benchmarks" / "networks"
+NETWORKS = Path(__file__).parents[3] / "benchmarks" / "networks"
 SIZE = 230
 """More than are always examined one by one."""
 
