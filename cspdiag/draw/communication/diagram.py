@@ -199,7 +199,7 @@ class _Drawing:
         items: list[Item] = []
         for section in route.sections:
             ends_in_sink = section.target is not None and self._is_sink(section.target)
-            continues = section.target is not None and self._is_border(section.target, "out")
+            continues = section.target is not None and self._is_border(name, section.target, "out")
             head = Head.NONE if section.target is None or ends_in_sink or continues else Head.ARROW
             items.append(Line(section.points, ink, width, dash, end=head, corner=CORNER))
         for junction in route.junctions:
@@ -207,7 +207,7 @@ class _Drawing:
         kind = self.symbols[name]
         if kind is not None:
             for source, pieces in self.pieces[name].items():
-                if not self._is_border(source, "in"):
+                if not self._is_border(name, source, "in"):
                     for begin, towards in pieces:
                         items += symbols.kind_symbol(kind, begin, towards, ink)
         return tuple(items)
@@ -215,10 +215,11 @@ class _Drawing:
     def _is_sink(self, target: str) -> bool:
         return isinstance(self.made.vertices.get(target.rpartition("|")[0]), Sink)
 
-    def _is_border(self, end: str, direction: Direction) -> bool:
-        """Whether a line begins or ends at the inner side of a box that shows its inside, beyond which it continues."""
+    def _is_border(self, arrow: str, end: str, direction: Direction) -> bool:
+        """Whether an arrow begins or ends at the inner side of the box around it, beyond which it continues."""
         port = self.made.ports.get(end)
-        return port is not None and port.direction == direction
+        is_inside = arrow.startswith(f"{end.rpartition('|')[0]}/")
+        return is_inside and port is not None and port.direction == direction
 
     def _badge(self, name: str, mark: Mark) -> Item | None:
         """A badge at a corner of a shape, the upper right one if it is free, or next to a text or a line."""

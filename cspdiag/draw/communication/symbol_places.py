@@ -1,5 +1,5 @@
 """The places of the symbols of arrows: at the beginning, or, if arrows of several kinds leave one port together, on
-each arrow after it has parted from the others.
+each arrow after it has parted from the others; so, too, if another arrow ends where it begins, which is a mistake.
 """
 
 from __future__ import annotations
@@ -22,13 +22,15 @@ _Piece = tuple[Point, Point]
 
 
 def parting(arrows: Iterable[Arrow]) -> Iterator[str]:
-    """The keys of the arrows that leave a port together with arrows with other symbols."""
+    """The keys of the arrows that leave a port together with arrows with other symbols, or where another one ends."""
+    arrows = tuple(arrows)
+    reached = {sink for arrow in arrows for sink in arrow.sinks if sink.port is not None}
     leaving: dict[End, list[Arrow]] = {}
     for arrow in arrows:
         for source in arrow.sources:
             leaving.setdefault(source, []).append(arrow)
-    for together in leaving.values():
-        if len({symbol_of(arrow) for arrow in together}) > 1:
+    for source, together in leaving.items():
+        if source in reached or len({symbol_of(arrow) for arrow in together}) > 1:
             yield from (arrow.key for arrow in together)
 
 
@@ -42,6 +44,11 @@ def symbol_pieces(
     for arrow, route in routes.items():
         for source in dict.fromkeys(section.source for section in route.sections if section.source is not None):
             leaving.setdefault(source, []).append(arrow)
+    reaching: dict[str, list[_Piece]] = {}
+    for route in routes.values():
+        for section in route.sections:
+            if section.target is not None:
+                reaching.setdefault(section.target, []).extend(pairwise(section.points))
     found: dict[str, dict[str, set[_Piece]]] = {arrow: {} for arrow in routes}
     for source, arrows in leaving.items():
         for arrow in arrows:
@@ -53,6 +60,9 @@ def symbol_pieces(
                 for piece in pairwise(section.points)
             ]
             begun = [section for section in routes[arrow].sections if section.source == source]
+            ending = reaching.get(source, [])
+            if any(_covered(section.points[0], section.points[1], ending) != section.points[0] for section in begun):
+                others += ending
             found[arrow][source] = {piece for section in begun for piece in _pieces(routes[arrow], section, others)}
     return found
 
