@@ -19,6 +19,8 @@ from tests.support.signals import hear_signals
 
 _BECOME_PARENT_OF_ORPHANS = 36
 """PR_SET_CHILD_SUBREAPER of Linux."""
+_HOME = os.getcwd()
+"""The working folder of the whole run."""
 _MAX_OBJECTS = 50_000
 """New objects after which the interpreter collects garbage."""
 
@@ -64,6 +66,25 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
         pytest.fail(f"processes were left behind: {', '.join(names)}")
     if alive:
         pytest.fail(f"threads were left behind: {', '.join(alive)}")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
+    """No test leaves the working folder: those after it in the same worker would not find the files of the
+    repository.
+    """
+    yield
+    left_in = _working_folder()
+    if left_in != _HOME:
+        os.chdir(_HOME)
+        pytest.fail(f"the working folder was left at {left_in}")
+
+
+def _working_folder() -> str:
+    try:
+        return os.getcwd()
+    except FileNotFoundError:
+        return "a folder that does not exist any more"
 
 
 def _is_kept(thread: threading.Thread) -> bool:
