@@ -209,7 +209,11 @@ def _power(base: Any, exponent: Any) -> Any:
 
 
 def _half_away_from_zero(x: float) -> float:
-    return x if not math.isfinite(x) or abs(x) >= 2**52 else math.copysign(math.floor(abs(x) + 0.5), x)
+    if not math.isfinite(x) or abs(x) >= 2**52:
+        return x
+    # A half may not be added: 0.5 and the number below it make 1.
+    whole = math.floor(abs(x))
+    return math.copysign(whole + (abs(x) - whole >= 0.5), x)
 
 
 def _function(function: str, arguments: list[Any]) -> Any:
@@ -223,7 +227,7 @@ def _function(function: str, arguments: list[Any]) -> Any:
         case "limit", [x, low, high]:
             return low if x < low else high if x > high else x
         case "sign", [x]:
-            return type(x)((x > 0) - (x < 0))
+            return type(x)(1) if x > 0 else type(x)(-1) if x < 0 else x
         case "finite", [x]:
             if not math.isfinite(x):
                 raise FaultError("a real value is infinite or not a number")
@@ -235,13 +239,13 @@ def _function(function: str, arguments: list[Any]) -> Any:
         case "atan2", [y, x]:
             return math.atan2(y, x)
         case "deadzone", [x, width]:
-            return x - width if x > width else x + width if x < -width else type(x)(0)
+            return x - width if x > width else x + width if x < -width else x if x != x else type(x)(0)
         case "quantize", [x, step]:
             return step * _half_away_from_zero(x / step) if step else math.nan
         case "round", [x]:
             return _half_away_from_zero(x)
         case "floor" | "ceil", [x]:
-            return x if not math.isfinite(x) else float(getattr(math, function)(x))
+            return x if not math.isfinite(x) else math.copysign(getattr(math, function)(x), x)
         case "log", [x]:
             return -math.inf if x == 0 else math.nan if x < 0 else math.log(x)
         case _, [x]:

@@ -25,6 +25,7 @@ HUGE = {
         "faults_change_nothing",
         "faults_of_constants",
         "faults_of_laws_known_before_the_run",
+        "functions_of_special_values",
         "resets_to_values_that_are_not_finite",
         "sum_of_states_overflows",
         "unused_state_becomes_infinite",
