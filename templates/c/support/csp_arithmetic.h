@@ -45,23 +45,30 @@ static inline void csp_fault_in(csp_kernel *csp, const char *place)
 /* The same, and whether there was a fault. */
 static inline bool csp_faulted_at(csp_kernel *csp, const char *place)
 {
-    return csp_faulted(csp) && !csp_fault_at(csp, place);
+    const bool faulted = csp_faulted(csp);
+    if (faulted) {
+        (void)csp_fault_at(csp, place);
+    }
+    return faulted;
 }
 
-/* Raises the fault that was noted, in a part of the process with a name of its own: a control law, or a process that was flattened into it; NULL: none.
- * Always true. */
-bool csp_raise_noted_fault(csp_kernel *csp, csp_party *party, const char *part, const char *place);
+/* Raises the fault that was noted, in a part of the process with a name of its own: a control law, or a process that was flattened into it; NULL: none. */
+void csp_raise_noted_fault(csp_kernel *csp, csp_party *party, const char *part, const char *place);
 
-/* Whether a fault was noted; then it is raised, and the process has to continue where it handles failures. */
-static inline bool csp_raised(csp_kernel *csp, csp_party *party, const char *place)
-{
-    return csp_faulted(csp) && csp_raise_noted_fault(csp, party, NULL, place);
-}
-
-/* The same in a part of the process. */
+/* Whether a fault was noted; then it is raised in this part of the process, which has to continue where it handles failures. */
 static inline bool csp_raised_in(csp_kernel *csp, csp_party *party, const char *part, const char *place)
 {
-    return csp_faulted(csp) && csp_raise_noted_fault(csp, party, part, place);
+    const bool faulted = csp_faulted(csp);
+    if (faulted) {
+        csp_raise_noted_fault(csp, party, part, place);
+    }
+    return faulted;
+}
+
+/* The same outside of such parts. */
+static inline bool csp_raised(csp_kernel *csp, csp_party *party, const char *place)
+{
+    return csp_raised_in(csp, party, NULL, place);
 }
 
 /* ---- Integers of 64 bits ---- */

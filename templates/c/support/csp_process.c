@@ -63,14 +63,13 @@ csp_progress csp_raise_fault(csp_kernel *csp, csp_party *party)
     return CSP_FAILS;
 }
 
-bool csp_raise_noted_fault(csp_kernel *csp, csp_party *party, const char *part, const char *place)
+void csp_raise_noted_fault(csp_kernel *csp, csp_party *party, const char *part, const char *place)
 {
     if (part != NULL) {
         csp->fault.law = part;
     }
     (void)csp_fault_at(csp, place);
     (void)csp_raise_fault(csp, party);
-    return true;
 }
 
 csp_progress csp_refuse(csp_kernel *csp, const csp_party *party)
