@@ -1,10 +1,13 @@
-"""The clock of the port for Cortex-M: waits that are short, and longer than its counter counts; and Cortex-M0.
+"""The port for Cortex-M, also on a Cortex-M0: its clock, in waits that are short, and longer than its counter counts;
+and differences of doubles.
 
 The emulator derives its clock from the number of instructions, so the run does not depend on the machine of the test.
 """
 
 from __future__ import annotations
 
+import math
+import struct
 from pathlib import Path
 
 import pytest
@@ -42,3 +45,22 @@ def test_a_wait_ends_at_its_instant(processor: str, longest: list[str], tmp_path
     assert abs(found["beats until"] - 200_000) <= 100
     assert abs(found["waited"] - 800_000) <= 100
     assert found["state"] == 3
+
+
+def real_of(digits: str) -> float:
+    (value,) = struct.unpack(">d", bytes.fromhex(digits))
+    assert isinstance(value, float)
+    return value
+
+
+def test_differences_of_doubles_on_a_cortex_m0(tmp_path: Path) -> None:
+    """They are computed by the addition of libgcc, to the last bit."""
+    image = firmware(tmp_path, "cortex-m0", "ticker.csp", "differences.c")
+    lines = [line.split() for line in emulated(image)]
+    assert len(lines) == 12**2
+    for left, right, difference in lines:
+        expected = real_of(left) - real_of(right)
+        if math.isnan(expected):
+            assert math.isnan(real_of(difference))
+        else:
+            assert difference == struct.pack(">d", expected).hex(), (left, right)

@@ -14,6 +14,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "csp_core.h"
 
@@ -367,16 +368,19 @@ static inline double csp_seconds(int64_t nanoseconds)
 
 double csp_real_fails(csp_kernel *csp);
 
+/* Whether a value is neither infinite nor a NaN. By its exponent: where `double` is computed in software, comparisons are calls of the compiler's library.
+ * A sum is finite only if its terms are: one test is enough for several values, unless it fails. */
+static inline bool csp_is_finite(double value)
+{
+    uint64_t bits = 0U;
+    (void)memcpy(&bits, &value, sizeof bits);
+    return (~(uint32_t)(bits >> 32U) & UINT32_C(0x7FF00000)) != 0U;
+}
+
 /* Every real value of a program is finite: notes a fault for an infinity or a NaN. */
 static inline double csp_real(csp_kernel *csp, double value)
 {
-    return isfinite(value) ? value : csp_real_fails(csp);
-}
-
-/* Whether a value is neither infinite nor a NaN. A sum is finite only if its terms are: one test is enough for several values, unless it fails. */
-static inline bool csp_is_finite(double value)
-{
-    return isfinite(value) != 0;
+    return csp_is_finite(value) ? value : csp_real_fails(csp);
 }
 
 /* Notes a fault with its place for an infinity or a NaN. */
@@ -393,7 +397,7 @@ bool csp_device_refused(csp_kernel *csp, const char *device, const char *place);
 /* Notes a fault unless a value that is written to a port is finite. */
 static inline void csp_finite(csp_kernel *csp, double value, const char *port)
 {
-    if (!isfinite(value)) {
+    if (!csp_is_finite(value)) {
         csp_finite_fails(csp, value, port);
     }
 }

@@ -5,9 +5,6 @@
  */
 #include "csp_internal.h"
 
-/* How often event inputs are polled if the program has no periods. */
-#define GRID_WITHOUT_PERIODS INT64_C(1000000)
-
 static int64_t earlier(int64_t one, int64_t other)
 {
     return (one < other) ? one : other;
@@ -58,55 +55,21 @@ static bool is_polled(csp_kernel *csp, const csp_port *port)
            (((const csp_event_input *)(const void *)csp_medium_of(csp, port))->driver.read != NULL);
 }
 
-/* The greatest common divisor of two periods, of which either may be 0. By halving, because a division of 64 bits takes flash on small processors. */
-static int64_t common_divisor(int64_t one, int64_t other)
-{
-    int64_t left = one;
-    int64_t right = other;
-    int64_t twos = 1;
-    if ((left == 0) || (right == 0)) {
-        return left + right;
-    }
-    while (left != right) {
-        const bool left_even = (left % 2) == 0;
-        const bool right_even = (right % 2) == 0;
-        if (left_even && right_even) {
-            twos *= 2;
-        }
-        if (left_even || right_even) {
-            left = left_even ? (left / 2) : left;
-            right = right_even ? (right / 2) : right;
-        } else if (left > right) {
-            left -= right;
-        } else {
-            right -= left;
-        }
-    }
-    return left * twos;
-}
-
-/* The step of the environment; without an environment, the greatest common divisor of the periods, at which devices are polled for events. */
+/* The step of the environment; without an environment, how often devices are polled for events. */
 static int64_t grid_of(csp_kernel *csp)
 {
-    int64_t divisor = 0;
+    const csp_program *const program = csp->program;
     bool polled = false;
-    if (csp->program->environment != NULL) {
-        return csp->program->environment->step;
+    if (program->environment != NULL) {
+        return program->environment->step;
     }
-    if (CSP_USES_EVENT_INPUTS == 0) {
-        return 0;
-    }
-    for (uint32_t index = 0U; index < csp->program->port_count; index++) {
-        polled = polled || is_polled(csp, &csp->program->ports[index]);
-        divisor = common_divisor(divisor, period_of(csp, &csp->program->ports[index]));
+    for (uint32_t index = 0U; (CSP_USES_EVENT_INPUTS != 0) && (index < program->port_count); index++) {
+        polled = polled || is_polled(csp, &program->ports[index]);
     }
     if (!polled) {
         return 0;
     }
-    if ((csp->hooks != NULL) && (csp->hooks->grid > 0)) {
-        return csp->hooks->grid;
-    }
-    return (divisor > 0) ? divisor : GRID_WITHOUT_PERIODS;
+    return ((csp->hooks != NULL) && (csp->hooks->grid > 0)) ? csp->hooks->grid : program->grid;
 }
 
 void csp_instants_begin(csp_kernel *csp)

@@ -3,6 +3,8 @@
  * SysTick. */
 #include "csp_port.h"
 
+#include <string.h>
+
 #include "csp_program.h"
 
 /* The clock of the processor in hertz. */
@@ -223,3 +225,20 @@ void csp_port_fatal(const char *message)
     csp_port_write("\n");
     csp_port_exit(false);
 }
+
+#ifdef __ARM_ARCH_6M__
+double __aeabi_dadd(double left, double right);
+double __aeabi_dsub(double left, double right);
+
+/* What compilers call for the difference of two doubles: the sum with the negated one, which is the same to the last bit. The function of this name in
+ * libgcc, which is not linked then, repeats all of the addition, 1.8 kB on a Cortex-M0. */
+double __aeabi_dsub(double left, double right)
+{
+    double negated = 0.0;
+    uint64_t bits = 0U;
+    (void)memcpy(&bits, &right, sizeof bits);
+    bits ^= UINT64_C(1) << 63U;
+    (void)memcpy(&negated, &bits, sizeof negated);
+    return __aeabi_dadd(left, negated);
+}
+#endif

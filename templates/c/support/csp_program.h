@@ -46,6 +46,7 @@ typedef struct csp_program {
     const csp_port *ports; /* in the order of the text */
     uint32_t port_count;
     const csp_environment *environment; /* NULL: none */
+    int64_t grid; /* nanoseconds between polls of events without an environment, unless the hooks choose; 0: there are no events */
     /* For reports: each writes a text of at most `size` characters, including the terminating 0. */
     void (*process_name)(uint32_t number, char *text, size_t size);
     void (*channel_name)(uint32_t number, char *text, size_t size);
@@ -89,7 +90,7 @@ typedef struct csp_hooks {
     void (*measured)(void *context, uint32_t process, uint32_t cycles);
     /* With CSP_TRACE_HOOK: a communication at csp->now, by the number of the channel or port and those of the processes; 0: the environment. */
     void (*trace)(void *context, uint32_t channel, const void *value, uint32_t writer, uint32_t reader);
-    int64_t grid; /* nanoseconds between polls of events without an environment; 0: the greatest common divisor of the periods */
+    int64_t grid; /* nanoseconds between polls of events without an environment; 0: as the program has it */
 } csp_hooks;
 
 typedef enum csp_phase { CSP_NOT_BUILT, CSP_BUILT, CSP_RUNNING, CSP_FINISHED } csp_phase;

@@ -34,7 +34,7 @@ class ApiText:
     top: str
     size: int
     build: str
-    """Eight characters that identify the program and its kernel."""
+    """A number of eight hexadecimal digits that identifies the program and its kernel."""
     processes: int
     """The number of processes that are measured, numbered from 1."""
     measured: str
@@ -210,7 +210,7 @@ class Interface:
         fields.append(define("csp_hooks", "kernel_hooks"))
         fields += [define(f"{name}_inputs", "inputs")] if self.inputs else []
         fields += [define(f"{name}_outputs", "outputs")] if self.outputs else []
-        fields += [define("char", "build[9]"), define("const csp_program *", "program")]
+        fields += [define("uint32_t", "build"), define("const csp_program *", "program")]
         fields.append(define("const void *", "place", remark="where it was begun"))
         fields.append(define("uint32_t", "checksum", remark="of a copy"))
         return "\n".join(lines([Block(tuple(fields), f"struct {name}_instance", "};")]))

@@ -36,6 +36,7 @@ from cspdiag.codegen.c.text.types import CTypes, duration
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
 from cspdiag.network.ir.zero import zero
+from cspdiag.network.lower.environments import grid_of
 
 _BUILDING = ("struct network *self", "const struct network_drivers *drivers", "const csp_hooks *hooks")
 """The parameters of the function that builds the network."""
@@ -339,6 +340,7 @@ class _NetworkFiles:
             "const csp_program network_program = {",
             "    .process = offsetof(struct network, top.process),",
             *(["    .ports = port_table,", f"    .port_count = {count}U,"] if count else []),
+            *self._grid(),
             *(["    .exception_names = exception_names,"] if exceptions else []),
             *(
                 ["#if CSP_USES_TEXTS", "    .variable_names = network_variable_names,", "#endif"]
@@ -352,6 +354,11 @@ class _NetworkFiles:
             "#endif",
             "};",
         ]
+
+    def _grid(self) -> list[str]:
+        """How often devices are polled for events."""
+        ports = self.network.external_ports
+        return [f"    .grid = {duration(grid_of(ports))},"] if any(port.medium == "event" for port in ports) else []
 
 
 def _alike(ports: Sequence[ExternalPort]) -> int:

@@ -12,7 +12,7 @@ struct commstime_instance {
     struct network network;
     commstime_hooks hooks;
     csp_hooks kernel_hooks;
-    char build[9];
+    uint32_t build;
     const csp_program *program;
     const void *place; /* where it was begun */
     uint32_t checksum; /* of a copy */
@@ -22,7 +22,7 @@ struct commstime_instance {
 typedef char commstime_size_suffices[(sizeof(commstime_instance) <= COMMSTIME_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
-static const char build[] = "00000000";
+static const uint32_t build = UINT32_C(0x694aaa90);
 
 /* ---- The hooks of the kernel ---- */
 
@@ -85,7 +85,7 @@ static void connect(commstime_instance *self)
 static bool is_begun(const commstime_instance *self)
 {
     return (self->place == self) && (self->program == &network_program)
-        && (memcmp(self->build, build, sizeof build) == 0);
+        && (self->build == build);
 }
 
 static const char *refused(const void *memory, size_t size, const commstime_hooks *hooks)
@@ -142,7 +142,7 @@ commstime_instance *commstime_begin(void *memory, size_t size,
         self->kernel_hooks.trace = trace;
     }
 #endif
-    (void)memcpy(self->build, build, sizeof build);
+    self->build = build;
     self->program = &network_program;
     self->place = self;
     connect(self);
@@ -214,9 +214,9 @@ void commstime_stop(commstime_instance *self)
 /* Depends on program, kernel, compiler, and the places of functions and constants in the image. */
 static uint32_t identity(void)
 {
-    uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, build, sizeof build);
+    uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, &build, sizeof build);
     const uintptr_t fixed[] = {
-        sizeof(commstime_instance), (uintptr_t)build - (uintptr_t)&network_program,
+        sizeof(commstime_instance), (uintptr_t)&build - (uintptr_t)&network_program,
         (uintptr_t)network_program.ports - (uintptr_t)&network_program,
         (uintptr_t)&network_pointers - (uintptr_t)&network_program};
     sum = csp_checksum(sum, fixed, sizeof fixed);

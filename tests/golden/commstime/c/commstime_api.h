@@ -28,7 +28,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define COMMSTIME_SIZE 1120U
+#define COMMSTIME_SIZE 1112U
 typedef union commstime_memory {
     int64_t alignment;
     double alignment_of_reals;

@@ -14,7 +14,7 @@ struct emergency_instance {
     csp_hooks kernel_hooks;
     emergency_inputs inputs;
     emergency_outputs outputs;
-    char build[9];
+    uint32_t build;
     const csp_program *program;
     const void *place; /* where it was begun */
     uint32_t checksum; /* of a copy */
@@ -24,7 +24,7 @@ struct emergency_instance {
 typedef char emergency_size_suffices[(sizeof(emergency_instance) <= EMERGENCY_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
-static const char build[] = "00000000";
+static const uint32_t build = UINT32_C(0xab940b44);
 
 static bool read_feedback(void *device, void *value)
 {
@@ -151,7 +151,7 @@ static void connect(emergency_instance *self)
 static bool is_begun(const emergency_instance *self)
 {
     return (self->place == self) && (self->program == &network_program)
-        && (memcmp(self->build, build, sizeof build) == 0);
+        && (self->build == build);
 }
 
 static const char *refused(const void *memory, size_t size, const emergency_hooks *hooks)
@@ -220,7 +220,7 @@ emergency_instance *emergency_begin(void *memory, size_t size,
         self->kernel_hooks.trace = trace;
     }
 #endif
-    (void)memcpy(self->build, build, sizeof build);
+    self->build = build;
     self->program = &network_program;
     self->place = self;
     connect(self);
@@ -292,9 +292,9 @@ void emergency_stop(emergency_instance *self)
 /* Depends on program, kernel, compiler, and the places of functions and constants in the image. */
 static uint32_t identity(void)
 {
-    uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, build, sizeof build);
+    uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, &build, sizeof build);
     const uintptr_t fixed[] = {
-        sizeof(emergency_instance), (uintptr_t)build - (uintptr_t)&network_program,
+        sizeof(emergency_instance), (uintptr_t)&build - (uintptr_t)&network_program,
         (uintptr_t)network_program.ports - (uintptr_t)&network_program,
         (uintptr_t)&network_pointers - (uintptr_t)&network_program};
     sum = csp_checksum(sum, fixed, sizeof fixed);

@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define EMERGENCY_SIZE 1904U
+#define EMERGENCY_SIZE 1896U
 typedef union emergency_memory {
     int64_t alignment;
     double alignment_of_reals;

@@ -65,6 +65,7 @@ const csp_program network_program = {
     .process = offsetof(struct network, top.process),
     .ports = port_table,
     .port_count = 5U,
+    .grid = 2 * CSP_MS,
 #if CSP_TRACE
     .process_name = process_name,
     .channel_name = channel_name,

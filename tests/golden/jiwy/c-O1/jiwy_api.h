@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define JIWY_SIZE 7992U
+#define JIWY_SIZE 7984U
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;

@@ -14,7 +14,7 @@ struct jiwy_instance {
     csp_hooks kernel_hooks;
     jiwy_inputs inputs;
     jiwy_outputs outputs;
-    char build[9];
+    uint32_t build;
     const csp_program *program;
     const void *place; /* where it was begun */
     uint32_t checksum; /* of a copy */
@@ -24,7 +24,7 @@ struct jiwy_instance {
 typedef char jiwy_size_suffices[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
-static const char build[] = "00000000";
+static const uint32_t build = UINT32_C(0x1a1e6abe);
 
 static bool read_joystick_horizontal(void *device, void *value)
 {
@@ -183,7 +183,7 @@ static void connect(jiwy_instance *self)
 static bool is_begun(const jiwy_instance *self)
 {
     return (self->place == self) && (self->program == &network_program)
-        && (memcmp(self->build, build, sizeof build) == 0);
+        && (self->build == build);
 }
 
 static const char *refused(const void *memory, size_t size, const jiwy_hooks *hooks)
@@ -252,7 +252,7 @@ jiwy_instance *jiwy_begin(void *memory, size_t size,
         self->kernel_hooks.trace = trace;
     }
 #endif
-    (void)memcpy(self->build, build, sizeof build);
+    self->build = build;
     self->program = &network_program;
     self->place = self;
     connect(self);
@@ -354,9 +354,9 @@ void jiwy_stop(jiwy_instance *self)
 /* Depends on program, kernel, compiler, and the places of functions and constants in the image. */
 static uint32_t identity(void)
 {
-    uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, build, sizeof build);
+    uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, &build, sizeof build);
     const uintptr_t fixed[] = {
-        sizeof(jiwy_instance), (uintptr_t)build - (uintptr_t)&network_program,
+        sizeof(jiwy_instance), (uintptr_t)&build - (uintptr_t)&network_program,
         (uintptr_t)network_program.ports - (uintptr_t)&network_program,
         (uintptr_t)&network_pointers - (uintptr_t)&network_program};
     sum = csp_checksum(sum, fixed, sizeof fixed);

@@ -30,7 +30,7 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
-#define JIWY_SIZE 9016U
+#define JIWY_SIZE 9008U
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;

@@ -136,6 +136,7 @@ const csp_program network_program = {
     .process = offsetof(struct network, top.process),
     .ports = port_table,
     .port_count = 7U,
+    .grid = CSP_MS,
     .exception_names = exception_names,
 #if CSP_USES_TEXTS
     .variable_names = network_variable_names,
