@@ -79,7 +79,8 @@ def grid_of(program: Program, given: Mapping[str, str | Sequence[str]], roots: S
 
 def _axis(program: Program, name: str, given: str | Sequence[str], roots: Sequence[Root]) -> Axis:
     target = target_of(program, name, roots)
-    value_of(name, "", target.type, is_constant=not target.roots) if _is_struct(target.type) else None
+    if _is_struct(target.type):
+        value_of(name, "", target.type, is_constant=not target.roots)  # It says that fields are set one by one.
     values = _spread(name, given, target) if isinstance(given, str) else [_value(name, text, target) for text in given]
     if not values:
         raise SettingError(f"{name}: a sweep needs at least one value")

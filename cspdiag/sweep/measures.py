@@ -195,7 +195,7 @@ def measured(measures: Measures, observations: Sequence[tuple[int, int, float]],
     """The values, of a run that ended at ``end`` nanoseconds; None if nothing was observed, or it did not settle.
 
     ``observations`` are instants in nanoseconds, positions of signals, and values, in order. The same operations, in
-    the same order, as in ``csp_sweep.c``.
+    the same order, as in ``csp_sweep_measures.c``.
     """
     values: list[float | None] = [None] * len(measures.signals)
     meters = [Meter(measure) for measure in measures.measures]

@@ -30,7 +30,7 @@ class Sweep:
         self._measures = measures
         self._results = [results[run] for run in sorted(results)]
         self.made = made
-        """How the runs were made: ``natively``, or in Python and why."""
+        """How the runs were made: ``as a native program``, or in Python and why."""
 
     def __len__(self) -> int:
         return len(self._results)

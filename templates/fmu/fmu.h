@@ -19,6 +19,8 @@
 
 enum { FMU_TEXT = 2048 /* the longest message, with its terminating 0 */ };
 
+#define FMU_NANOSECONDS 1e9 /* in a second */
+
 /* ---- The model ---- */
 
 typedef enum fmu_type {

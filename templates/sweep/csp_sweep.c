@@ -4,7 +4,6 @@
 #include "csp_sweep.h"
 
 #include <errno.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,237 +11,12 @@
 #include <unistd.h>
 
 #include "csp_arithmetic.h"
+#include "csp_sweep_measures.h"
 
 enum { TEXT = 2048 };
 
-typedef struct signal {
-    csp_sweep_signal is;
-    double value; /* NAN: none yet */
-} signal;
-
-typedef struct measure {
-    csp_sweep_measure is;
-    bool changed;  /* at the present instant */
-    int64_t since; /* the instant of the value; negative: none yet */
-    int64_t first; /* that of the first value */
-    double value;
-    double result; /* of max, min, peak, mean, ..., as far as it is known */
-    double begun;  /* overshoot: the first value; settling: when it came within the tolerance; NAN: it is not */
-} measure;
-
 static const csp_sweep *sweep;
 static csp_sweep_head head;
-static signal *signals;
-static measure *measures;
-static int64_t observed_at; /* the instant of the last observation */
-
-static double number_at(const void *place, uint32_t type)
-{
-    switch (type) {
-    case 'd':
-        return *(const double *)place;
-    case 'f':
-        return (double)*(const float *)place;
-    case '?':
-        return *(const bool *)place ? 1.0 : 0.0;
-    case 'b':
-        return (double)*(const int8_t *)place;
-    case 'B':
-        return (double)*(const uint8_t *)place;
-    case 'h':
-        return (double)*(const int16_t *)place;
-    case 'H':
-        return (double)*(const uint16_t *)place;
-    case 'i':
-        return (double)*(const int32_t *)place;
-    case 'I':
-        return (double)*(const uint32_t *)place;
-    case 'Q':
-        return (double)*(const uint64_t *)place;
-    case 'T':
-        return csp_seconds(*(const int64_t *)place);
-    default:
-        return (double)*(const int64_t *)place;
-    }
-}
-
-/* ---- Measures ---- */
-
-/* What the value that is held until `now` adds to an integral. */
-static void hold(measure *self, int64_t now)
-{
-    const double held = csp_seconds(now - self->since);
-    switch (self->is.kind) {
-    case CSP_SWEEP_MEAN:
-    case CSP_SWEEP_INTEGRAL:
-        self->result += self->value * held;
-        break;
-    case CSP_SWEEP_RMS:
-        self->result += (self->value * self->value) * held;
-        break;
-    default:
-        break; /* only its values count */
-    }
-}
-
-static void begin(measure *self, int64_t now, double value)
-{
-    self->first = now;
-    switch (self->is.kind) {
-    case CSP_SWEEP_PEAK:
-        self->result = fabs(value);
-        break;
-    case CSP_SWEEP_MEAN:
-    case CSP_SWEEP_RMS:
-    case CSP_SWEEP_INTEGRAL:
-        self->result = 0.0;
-        break;
-    case CSP_SWEEP_OVERSHOOT:
-        self->begun = value;
-        self->result = 0.0;
-        break;
-    default:
-        self->result = value;
-        break;
-    }
-}
-
-static double beyond(const measure *self, double value)
-{
-    const double target = self->is.target;
-    if (self->begun < target) {
-        return value - target;
-    }
-    return (self->begun > target) ? target - value : fabs(value - target);
-}
-
-static void take(measure *self, int64_t now, double value)
-{
-    if (self->since < 0) {
-        begin(self, now, value);
-    } else {
-        hold(self, now);
-    }
-    self->since = now;
-    self->value = value;
-    switch (self->is.kind) {
-    case CSP_SWEEP_MAX:
-        self->result = (value > self->result) ? value : self->result;
-        break;
-    case CSP_SWEEP_MIN:
-        self->result = (value < self->result) ? value : self->result;
-        break;
-    case CSP_SWEEP_PEAK:
-        self->result = (fabs(value) > self->result) ? fabs(value) : self->result;
-        break;
-    case CSP_SWEEP_LAST:
-        self->result = value;
-        break;
-    case CSP_SWEEP_SETTLING:
-        if (!(fabs(value - self->is.target) <= self->is.tolerance)) {
-            self->begun = NAN;
-        } else if (isnan(self->begun)) {
-            self->begun = csp_seconds(now);
-        } else {
-            /* It stays. */
-        }
-        break;
-    case CSP_SWEEP_OVERSHOOT:
-        self->result = (beyond(self, value) > self->result) ? beyond(self, value) : self->result;
-        break;
-    default:
-        break; /* integrals are taken when it is known how long the value was held */
-    }
-}
-
-static double finished(measure *self, int64_t end)
-{
-    if (self->since < 0) {
-        return NAN;
-    }
-    hold(self, end);
-    const double length = csp_seconds(end - self->first);
-    switch (self->is.kind) {
-    case CSP_SWEEP_MEAN:
-        return (length > 0.0) ? self->result / length : self->value;
-    case CSP_SWEEP_RMS:
-        return (length > 0.0) ? sqrt(self->result / length) : fabs(self->value);
-    case CSP_SWEEP_SETTLING:
-        return self->begun;
-    default:
-        return self->result;
-    }
-}
-
-/* Gives measures the values of the instant that is over. */
-static void close_instant(void)
-{
-    for (uint32_t index = 0; index < head.measures; index++) {
-        measure *const self = &measures[index];
-        if (self->changed) {
-            self->changed = false;
-            double value = signals[self->is.signal].value;
-            if (self->is.subtracted != CSP_SWEEP_NOTHING) {
-                value -= signals[self->is.subtracted].value;
-            }
-            if (!isnan(value)) { /* both are known */
-                take(self, observed_at, (self->is.absolute != 0U) ? fabs(value) : value);
-            }
-        }
-    }
-}
-
-/* A new instant closes the one before. */
-static void reach(int64_t now)
-{
-    if (now != observed_at) {
-        close_instant();
-        observed_at = now;
-    }
-}
-
-static void set(uint32_t index, const void *value)
-{
-    signal *const self = &signals[index];
-    self->value = number_at((const char *)value + self->is.offset, self->is.type);
-    for (uint32_t at = 0; at < head.measures; at++) {
-        if ((measures[at].is.signal == index) || (measures[at].is.subtracted == index)) {
-            measures[at].changed = true;
-        }
-    }
-}
-
-static void observe_port(int64_t now, uint32_t port, const void *value)
-{
-    reach(now);
-    for (uint32_t index = 0; index < head.signals; index++) {
-        if ((signals[index].is.state == 0U) && (signals[index].is.number == port)) {
-            set(index, value);
-        }
-    }
-}
-
-static void observe_states(int64_t now)
-{
-    reach(now);
-    for (uint32_t index = 0; index < head.signals; index++) {
-        if (signals[index].is.state != 0U) {
-            const size_t place = sweep->states[signals[index].is.number];
-            set(index, (const char *)sweep->environment->state + place);
-        }
-    }
-}
-
-static void begin_measures(void)
-{
-    observed_at = 0;
-    for (uint32_t index = 0; index < head.signals; index++) {
-        signals[index].value = NAN;
-    }
-    for (uint32_t index = 0; index < head.measures; index++) {
-        measures[index] = (measure){.is = measures[index].is, .since = -1, .begun = NAN};
-    }
-}
 
 /* ---- What is observed ---- */
 
@@ -253,13 +27,13 @@ void csp_observe(csp_kernel *csp, uint32_t channel, const void *value, uint32_t 
     (void)writer;
     (void)reader;
     if ((channel < port_count) && (csp->program->ports[channel].kind != CSP_PORT_SAMPLED)) {
-        observe_port(csp->now, channel, value);
+        csp_sweep_observe_port(csp->now, channel, value);
     }
 }
 
 void csp_observe_sample(csp_kernel *csp, uint32_t port, const void *value)
 {
-    observe_port(csp->now, port, value);
+    csp_sweep_observe_port(csp->now, port, value);
 }
 
 void csp_observe_release(csp_kernel *csp, uint32_t port, const void *value)
@@ -285,7 +59,7 @@ static bool start_observed(csp_kernel *csp, void *state)
 {
     const bool started = (sweep->environment->start == NULL) || sweep->environment->start(csp, state);
     if (started) {
-        observe_states(0);
+        csp_sweep_observe_states(sweep, 0);
     }
     return started;
 }
@@ -294,7 +68,7 @@ static bool advance_observed(csp_kernel *csp, void *state, int64_t now)
 {
     const bool advanced = (sweep->environment->advance == NULL) || sweep->environment->advance(csp, state, now);
     if (advanced) {
-        observe_states(now);
+        csp_sweep_observe_states(sweep, now);
     }
     return advanced;
 }
@@ -367,15 +141,15 @@ static bool run_once(const void *parameters)
     if (sweep->counts_misses) {
         count_misses(csp);
     }
-    begin_measures();
+    csp_sweep_begin_measures();
     csp_sweep_result result = {0, 0, 0U};
     result.ending = (int32_t)(connected ? csp_run(csp, head.until) : CSP_NOT_INITIALIZED);
     result.time = csp->now;
     result.text = (result.ending == (int32_t)CSP_FAILED) ? describe(csp, text) : 0U;
-    close_instant();
+    csp_sweep_end_measures();
     (void)fwrite(&result, sizeof result, 1, stdout);
     for (uint32_t index = 0; index < head.measures; index++) {
-        const double value = finished(&measures[index], result.time);
+        const double value = csp_sweep_measured(index, result.time);
         (void)fwrite(&value, sizeof value, 1, stdout);
     }
     (void)fwrite(text, 1, result.text, stdout);
@@ -387,25 +161,16 @@ static bool read_all(void *into, size_t size, size_t count)
     return fread(into, size, count, stdin) == count;
 }
 
-static bool read_tasks(void)
+static bool read_measures(void)
 {
-    csp_sweep_signal *const given = calloc(head.signals + 1U, sizeof *given);
+    csp_sweep_signal *const signals = calloc(head.signals + 1U, sizeof *signals);
     csp_sweep_measure *const wanted = calloc(head.measures + 1U, sizeof *wanted);
-    signals = calloc(head.signals + 1U, sizeof *signals);
-    measures = calloc(head.measures + 1U, sizeof *measures);
-    if ((given == NULL) || (wanted == NULL) || (signals == NULL) || (measures == NULL) ||
-        !read_all(given, sizeof *given, head.signals) || !read_all(wanted, sizeof *wanted, head.measures)) {
-        return false;
-    }
-    for (uint32_t index = 0; index < head.signals; index++) {
-        signals[index].is = given[index];
-    }
-    for (uint32_t index = 0; index < head.measures; index++) {
-        measures[index].is = wanted[index];
-    }
-    free(given);
+    const bool made = (signals != NULL) && (wanted != NULL) && read_all(signals, sizeof *signals, head.signals)
+        && read_all(wanted, sizeof *wanted, head.measures)
+        && csp_sweep_make_measures(signals, head.signals, wanted, head.measures);
+    free(signals);
     free(wanted);
-    return true;
+    return made;
 }
 
 /* A run may be long, or without an end, and nothing else tells it that nobody waits for its result. */
@@ -430,7 +195,7 @@ int csp_sweep_run(const csp_sweep *given, int argument_count, char *const *argum
     sweep = given;
     const size_t size = (sweep->parameters_size > 0U) ? sweep->parameters_size : 1U;
     void *const parameters = calloc(1, size);
-    if ((parameters == NULL) || !read_all(&head, sizeof head, 1) || !read_tasks()) {
+    if ((parameters == NULL) || !read_all(&head, sizeof head, 1) || !read_measures()) {
         return EXIT_FAILURE;
     }
     while (read_all(parameters, size, 1)) {

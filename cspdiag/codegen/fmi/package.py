@@ -28,6 +28,8 @@ from cspdiag.network.ir.zero import zero
 
 SOURCES = "sources/"
 """The folder of the sources in an FMU."""
+_OWN = ("fmu.c", "fmu.h", "fmu_values.c", "fmi_common.h")
+"""What all FMUs have in common."""
 
 
 @record
@@ -183,7 +185,7 @@ def _sources(package: Package, compiled: Sequence[str]) -> dict[str, str]:
 def _files(sources: Mapping[str, str], model: Model, fmi: str) -> dict[str, str]:
     folder = template_folder("fmu")
     interface = "fmi2.c" if fmi == "2.0" else "fmi3.c"
-    own = {name: (folder / name).read_text(encoding="utf-8") for name in ("fmu.c", "fmu.h", "fmi_common.h", interface)}
+    own = {name: (folder / name).read_text(encoding="utf-8") for name in (*_OWN, interface)}
     files = {f"{SOURCES}{path}": text for path, text in sorted({**sources, **own}.items())}
     names = tuple(path.removeprefix(SOURCES) for path in files if path.endswith(".c"))
     whole = replaced(model, sources=names)

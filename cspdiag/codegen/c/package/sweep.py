@@ -15,7 +15,7 @@ from cspdiag.network.ir.network import CoreNetwork, Environment, SubmodelState
 
 MAIN = "main_sweep.c"
 _MAIN_OF_SIMULATION = "main_simulation.c"
-_KERNEL = ("csp_sweep.c", "csp_sweep.h")
+_KERNEL = ("csp_sweep.c", "csp_sweep.h", "csp_sweep_measures.c", "csp_sweep_measures.h")
 
 
 @record
