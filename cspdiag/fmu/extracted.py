@@ -3,29 +3,16 @@
 from __future__ import annotations
 
 import os
-import platform
 import re
+import shlex
 import shutil
-import sys
 import zipfile
 from hashlib import sha256
 from tempfile import mkdtemp
 
 from cspdiag.base.files.caches import cache_folder
 from cspdiag.fmu.description import FmuDescription, FmuError, read_description
-
-_MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
-_SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}
-_OLD_NAMES = {"x86_64-linux": "linux64", "x86_64-darwin": "darwin64", "x86_64-windows": "win64"}
-"""What FMI 2.0 calls platforms; it has no names for others, which keep those of FMI 3.0."""
-
-
-def platform_folder(version: str) -> tuple[str, str]:
-    """The folder of binaries for this machine, and the suffix of their names."""
-    system, suffix = _SYSTEMS.get(sys.platform, (sys.platform, ".so"))
-    machine = _MACHINES.get(platform.machine().lower(), platform.machine().lower())
-    name = f"{machine}-{system}"
-    return (_OLD_NAMES.get(name, name) if version == "2.0" else name), suffix
+from cspdiag.fmu.platforms import platform_folder
 
 
 def binary(path: str, description: FmuDescription, identifier: str) -> str:
@@ -41,7 +28,7 @@ def binary(path: str, description: FmuDescription, identifier: str) -> str:
         message = f"{path} has binaries for {', '.join(there)}, none for this machine ({folder})"
     else:
         message = f"{path} has no {wanted}"
-    raise FmuError(message, f"compile its sources, if it has some: fmpy compile {path}")
+    raise FmuError(message, f"compile its sources, if it has some: fmpy compile {shlex.quote(path)}")
 
 
 def extracted(path: str) -> str:

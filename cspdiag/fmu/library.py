@@ -5,19 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cspdiag.base.record import record
 from cspdiag.fmu.description import FmuDescription, FmuError, FmuVariable, read_description
 from cspdiag.fmu.extracted import binary, extracted
 
 Value = float | int | bool
-
-
-@record
-class Update:
-    """What the discrete states of an FMU say after an event."""
-
-    terminates: bool
-    next_event: float | None
+MOST_UPDATES = 1000
+"""Updates of discrete states at one event, after which the FMU is considered not to get any further."""
 
 
 class Library:
@@ -139,18 +132,31 @@ class Library:
 
     def step(self, time: float, length: float) -> None:
         """A step from ``time``."""
-        self._call(f"in the step from {time:.9g} s to {time + length:.9g} s", self._fmu.doStep, time, length)
+        end = time + length
+        done = self._call(f"in the step from {time:.9g} s to {end:.9g} s", self._fmu.doStep, time, length)
+        if self._is_new:
+            _, terminates, _, _ = done
+            self._refuse_end(terminates, end)
+
+    def _refuse_end(self, terminates: object, time: float) -> None:
+        """An environment continues as long as the run does."""
+        if terminates:
+            raise FmuError(self._with_message(f"{self.path} has ended the simulation at {time:.9g} s"), "")
 
     # ---- Model exchange
 
-    def update(self, time: float) -> Update:
-        """Updates the discrete states in event mode, until nothing changes."""
+    def update(self, time: float) -> float | None:
+        """Updates the discrete states in event mode, until nothing changes; returns the time of the next event."""
         doing = f"at the event of {time:.9g} s"
         update = self._fmu.updateDiscreteStates if self._is_new else self._fmu.newDiscreteStates
-        again = True
-        while again:
+        for _ in range(MOST_UPDATES):
             again, terminates, _, _, has_next, next_event = self._call(doing, update)
-        return Update(bool(terminates), float(next_event) if has_next else None)
+            self._refuse_end(terminates, time)
+            if not again:
+                return float(next_event) if has_next else None
+        raise FmuError(
+            f"{self.path} has updated its discrete states {MOST_UPDATES} times {doing}", "it does not get any further"
+        )
 
     def enter_event_mode(self, time: float) -> None:
         """From now on the event is handled."""
@@ -162,7 +168,8 @@ class Library:
 
     def step_completed(self, time: float) -> bool:
         """Whether an event is to be handled after a step of the integrator."""
-        enters, _ = self._call(f"at {time:.9g} s", self._fmu.completedIntegratorStep)
+        enters, terminates = self._call(f"at {time:.9g} s", self._fmu.completedIntegratorStep)
+        self._refuse_end(terminates, time)
         return bool(enters)
 
     def states(self) -> list[float]:

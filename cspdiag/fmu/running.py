@@ -99,11 +99,9 @@ class Fmu:
             library.give(self._time, changed)
 
     def _after_event(self, library: Library, time: float) -> float | None:
-        update = library.update(time)
-        if update.terminates:
-            raise FmuError(f"{self._path} has ended the simulation at {time:.9g} s", "")
+        next_event = library.update(time)
         library.enter_continuous_time_mode(time)
-        return update.next_event
+        return next_event
 
     def _integrate(self, library: Library, end: float) -> None:
         time, events = self._time, 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Iterable, Iterator
 from typing import assert_never
 
@@ -31,6 +32,12 @@ def external_calls(owner: ProcessClass | SubmodelClass | Environment) -> tuple[E
             assert_never(owner)
     equations = (equation for law in laws for equation in law.equations)
     return tuple({call.name: call for call in equations if isinstance(call, ExternalCall)}.values())
+
+
+def file_of_fmu(body: ExternalBody) -> str:
+    """The path of an FMU, relative like that of the file that names it."""
+    path = body.target.partition(":")[0]
+    return posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), path))
 
 
 def devices_in_c(environment: Environment) -> list[DriverInstance]:

@@ -11,32 +11,17 @@ from pathlib import Path
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.fmi.description import COMPILER_OPTIONS
+from cspdiag.fmu.platforms import has_name, platform_folder
 from cspdiag.simulate.native.build import Build
 
 _SOURCES = "sources/"
 _OPTIONS = ("-O2", "-fPIC", "-fvisibility=hidden", COMPILER_OPTIONS)
-_MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
-_SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib")}
-_OLD_NAMES = {"x86_64-linux": "linux64", "x86_64-darwin": "darwin64"}
-"""What FMI 2.0 calls platforms; it has no names for others, which keep those of FMI 3.0."""
 _BEGINNING = (1980, 1, 1, 0, 0, 0)
 """The date of all files in the archive, so that equal programs make equal FMUs."""
 
 
 class PlatformError(CspdiagError):
-    """FMI has no name for this platform."""
-
-
-def platform_name(fmi: str) -> tuple[str, str]:
-    """The folder of binaries for this machine, and the suffix of their names. Raises PlatformError."""
-    system, machine = _SYSTEMS.get(sys.platform), _MACHINES.get(platform.machine().lower())
-    if system is None or machine is None:
-        raise PlatformError(
-            f"FMUs are made on Linux and macOS for x86-64 and ARM64, and this is {sys.platform} on "
-            f"{platform.machine()}; program.compile('fmu') gives the sources"
-        )
-    name = f"{machine}-{system[0]}"
-    return (_OLD_NAMES.get(name, name) if fmi == "2.0" else name), system[1]
+    """FMUs are not made on this platform."""
 
 
 def archive(files: Mapping[str, str], name: str, fmi: str, documentation: str = "") -> bytes:
@@ -44,7 +29,12 @@ def archive(files: Mapping[str, str], name: str, fmi: str, documentation: str = 
 
     ``documentation`` is a page of HTML. Raises CompilerError and PlatformError.
     """
-    folder, suffix = platform_name(fmi)
+    if not has_name() or sys.platform == "win32":
+        raise PlatformError(
+            f"FMUs are made on Linux and macOS for x86-64 and ARM64, and this is {sys.platform} on "
+            f"{platform.machine()}; program.compile('fmu') gives the sources"
+        )
+    folder, suffix = platform_folder(fmi)
     sources = {path.removeprefix(_SOURCES): text for path, text in files.items() if path.startswith(_SOURCES)}
     compiled = [path for path in sources if path.endswith(".c")]
     binary = Build(sources, compiled, _OPTIONS).library()

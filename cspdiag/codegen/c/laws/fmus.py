@@ -18,10 +18,12 @@ from cspdiag.fmu.extracted import binary, extracted
 from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import BoolType, IntType, RealType, Type
 from cspdiag.network.ir.equations import ExternalCall
-from cspdiag.network.ir.external import external_calls
+from cspdiag.network.ir.external import external_calls, file_of_fmu
 from cspdiag.network.ir.network import Environment
 
-_LOADER = ("csp_fmu.c", "csp_fmu.h")
+_LOADER = (
+    "csp_fmu.c", "csp_fmu.h", "csp_fmu_integration.c", "csp_fmu_library.c", "csp_fmu_library.h", "csp_fmu_values.c",
+)  # fmt: skip
 
 
 def fmu_calls(environment: Environment) -> list[ExternalCall]:
@@ -80,8 +82,7 @@ def _header(item: ExternalCall, name: str, types: CTypes) -> str:
 
 
 def _source(item: ExternalCall, name: str, types: CTypes) -> str:
-    target, _, interface = item.external.target.partition(":")
-    path = posixpath.normpath(posixpath.join(posixpath.dirname(item.external.span.file), target))
+    path, interface = file_of_fmu(item.external), item.external.target.partition(":")[2]
     description = read_description(path)
     is_model_exchange = (interface or ("" if description.co_simulation else "ModelExchange")) == "ModelExchange"
     identifier = description.model_exchange if is_model_exchange else description.co_simulation

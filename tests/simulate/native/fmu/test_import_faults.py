@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from cspdiag.cli.main import main
+from cspdiag.fmu.platforms import platform_folder
 from cspdiag.simulate.record.stored.open_recording import open_recording
 from tests.simulate.native.fmu.test_import import (
     LOOP,
@@ -19,6 +21,7 @@ from tests.simulate.native.fmu.test_import import (
     tank,
     watching,
 )
+from tests.support.compiling import compile_once
 
 __all__ = ["quickly_compiled", "tank"]
 
@@ -128,3 +131,41 @@ def test_an_error_at_a_step_leaves_safe_outputs_and_a_whole_recording(
         found.append(recording.values("shown")[1].tolist())
     assert all(values == found[0] for values in found)
     assert not list(tmp_path.glob("*.part.*"))
+
+
+STUBBORN = """<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Stubborn" guid="{}" numberOfEventIndicators="0">
+  <ModelExchange modelIdentifier="stubborn"/>
+  <ModelVariables>
+    <ScalarVariable name="y" valueReference="0" causality="output" variability="continuous"><Real/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="1"/></Outputs></ModelStructure>
+</fmiModelDescription>
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "reported"),
+    [
+        (
+            [],
+            "has updated its discrete states 1000 times at the event of 0.02 s; it does not get any further",
+        ),
+        (["-DSTUBBORN_ENDS"], "has ended the simulation at 0.02 s"),
+    ],
+    ids=["updates", "ends"],
+)
+def test_an_fmu_that_goes_no_further_ends_the_run(
+    options: list[str], reported: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, suffix = platform_folder("2.0")
+    library = tmp_path / f"stubborn{suffix}"
+    compile_once("cc", *options, "-shared", "-fPIC", Path(__file__).parent / "stubborn.c", "-o", library)
+    with zipfile.ZipFile(tmp_path / "stubborn.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", STUBBORN)
+        archive.write(library, f"binaries/{folder}/stubborn{suffix}")
+    (tmp_path / "watch.csp").write_text(watching({"y": "double"}, "stubborn.fmu", "10 ms"))
+    for target in TARGETS:
+        assert main(["run", str(tmp_path / "watch.csp"), "--for", "1 s", *target]) == 1
+        shown = capsys.readouterr()
+        assert f"stubborn.fmu {reported}" in shown.out + shown.err
