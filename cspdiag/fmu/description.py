@@ -110,8 +110,10 @@ def _read(path: str, changed: int, size: int) -> FmuDescription:
         raise FmuError(f"{path} has a damaged modelDescription.xml: {problem}", "export it again") from None
     try:
         return _description(path, root)
-    except (KeyError, ValueError) as problem:
+    except KeyError as problem:
         raise FmuError(f"{path} has a modelDescription.xml that lacks {problem}", "export it again") from None
+    except ValueError as problem:
+        raise FmuError(f"{path} has a modelDescription.xml with a wrong number: {problem}", "export it again") from None
 
 
 def _description(path: str, root: Element) -> FmuDescription:

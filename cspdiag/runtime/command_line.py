@@ -222,7 +222,8 @@ def _summary(outcome: Outcome) -> Iterator[str]:
     if outcome.preference:
         yield outcome.preference
     for period, jitter in outcome.jitter.items():
-        yield f"jitter of the {shown(period)} period: {jitter}"
+        if jitter.count:
+            yield f"jitter of the {shown(period)} period: {jitter}"
     for error in outcome.release_errors:
         yield f"while releasing outputs: {described(error)}"
 

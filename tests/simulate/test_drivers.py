@@ -102,6 +102,20 @@ def test_a_driver_that_does_not_open_ends_the_run_before_it_began(
     assert "at 0 s: driver Card failed to open at port Main.level" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("start", ["run", "package"])
+def test_without_a_tick_there_is_no_jitter(program: Path, tmp_path: Path, start: str) -> None:
+    main(["compile", str(program), "-o", str(tmp_path / "out"), "--set", "failing=1"])
+    command = ["valve_control"] if start == "package" else ["cspdiag", "run", str(program), "--set", "failing=1"]
+    result = subprocess.run(
+        [sys.executable, "-m", *command, "--real-time"],
+        cwd=tmp_path / "out/valve_control",
+        capture_output=True,
+        text=True,
+    )
+    assert "failed to open" in result.stdout + result.stderr
+    assert "jitter" not in result.stdout + result.stderr
+
+
 @pytest.mark.parametrize("options", [(), ("--quiet",)])
 def test_a_driver_that_does_not_close_is_reported_at_the_end(
     program: Path, options: tuple[str, ...], capsys: pytest.CaptureFixture[str]

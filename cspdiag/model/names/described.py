@@ -49,6 +49,21 @@ def _lacks_ports(item: ast.Node) -> bool:
     )
 
 
+def lacks_description(definition: ast.Node) -> bool:
+    """Whether the ports of a submodel are those of an FMU that cannot be read, so nothing is known of them."""
+    if not _lacks_ports(definition):
+        return False
+    from cspdiag.fmu.description import FmuError, read_description
+
+    assert isinstance(definition, ast.SubmodelDefinition)
+    assert definition.external is not None
+    try:
+        read_description(fmu_path(definition.external))
+    except FmuError:
+        return True
+    return False
+
+
 def _with_ports(tree: ast.SourceTree) -> ast.SourceTree:
     items = (_described(item) if _lacks_ports(item) else item for item in tree.items)
     return replaced(tree, items=tuple(items))

@@ -7,6 +7,7 @@ from cspdiag.model.diagnostics.types import NotIndexed
 from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.members import array_of_ports
 from cspdiag.model.expressions.numbers import Typer
+from cspdiag.model.names.described import lacks_description
 from cspdiag.model.names.fields import refuse_part
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
 from cspdiag.model.symbols import declared_at
@@ -186,10 +187,14 @@ def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> 
 
 
 def ports_of(typer: Typer, instance: ast.Instance) -> Scope | None:
-    """The ports of the definition of an instance; None if that is unknown or poisoned."""
+    """The ports of the definition of an instance; None if they are unknown, because that is unknown or poisoned, or is
+    an FMU that cannot be read.
+    """
     program = typer.context.program
     definition = program.bindings.get(instance.definition)
-    return program.scopes.get(definition) if isinstance(definition, ast.Node) else None
+    if not isinstance(definition, ast.Node) or lacks_description(definition):
+        return None
+    return program.scopes.get(definition)
 
 
 def check_instance_index(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> None:

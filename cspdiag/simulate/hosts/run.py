@@ -39,9 +39,11 @@ from cspdiag.simulate.hosts.processes import Elsewhere, Here, replace_instances
 from cspdiag.simulate.run.probes import parts_of
 
 _LOOK: Final = 0.05
+"""Seconds after which a place that waits for messages looks whether it has to stop."""
 SILENCE: Final = 5.0
 """Seconds after which a run in virtual time gives a silent place up."""
 _RAISE_AGAIN: Final = 0.1
+"""Seconds after which a process that waits again for a lost place gets Timeout again."""
 _QUEUE: Final = 8
 """How many messages may wait for their acknowledgement when the value of a signal is sent."""
 

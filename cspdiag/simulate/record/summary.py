@@ -31,7 +31,8 @@ def _lines(run: RunData) -> Iterator[str]:
     if outcome.preference:
         yield f"  {outcome.preference}"
     for period, jitter in outcome.jitter.items():
-        yield f"  jitter of the {shown(period)} period: {jitter}"
+        if jitter.count:
+            yield f"  jitter of the {shown(period)} period: {jitter}"
     for link in outcome.links:
         yield f"  {link}"
     from cspdiag.runtime.kernel.exceptions import described

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.python.plain.external import bodies
-from cspdiag.network.ir.external import devices_in_c
+from cspdiag.network.ir.external import devices_in_c, external_calls, file_of_fmu
 from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.runtime.kernel.exceptions import kind_and_text
 from cspdiag.runtime.kernel.parameters import Change
@@ -87,7 +88,22 @@ def built(
     except BaseException as problem:
         if not bodies(network) or stopping.ends_run(problem):
             raise
-        raise BodyError(account_of(problem)) from problem
+        raise BodyError(_account_of_fmu(problem, chosen) or account_of(problem)) from problem
+
+
+def _account_of_fmu(problem: BaseException, environment: Environment | None) -> str:
+    """What is wrong with an FMU, and where the text names it; empty for another problem."""
+    from cspdiag.fmu.description import FmuError
+
+    if not isinstance(problem, FmuError):
+        return ""
+    bodies = (call.external for call in (external_calls(environment) if environment is not None else ()))
+    places = (
+        f"{body.span}: "
+        for body in bodies
+        if body.language == "fmu" and problem.message.startswith(os.path.abspath(file_of_fmu(body)))
+    )
+    return f"{next(places, '')}{problem.message}\n  help: {problem.advice}"
 
 
 def simulate(

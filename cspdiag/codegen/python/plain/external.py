@@ -36,7 +36,7 @@ from cspdiag.devices.catalogue import DEVICES, Device
 from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import Type, has_single
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
-from cspdiag.network.ir.external import devices_in_c, external_bodies
+from cspdiag.network.ir.external import devices_in_c, external_bodies, file_of_fmu
 from cspdiag.network.ir.network import CoreNetwork, Network, Port
 
 
@@ -101,8 +101,7 @@ class ExternalModules:
         """A call of the constructor, with the parameters as keywords. An FMU is also given its file and its outputs."""
         arguments = tuple(Argument(value, identifier(name)) for name, value in given.items())
         if body.language == LANGUAGE:
-            path, _, interface = body.target.partition(":")
-            place = os.path.abspath(posixpath.join(posixpath.dirname(body.span.file), path))
+            place, interface = os.path.abspath(file_of_fmu(body)), body.target.partition(":")[2]
             integration = () if body.step is None else (Argument(WholeNumber(body.step), "step"),)
             if body.method != "rk4":
                 integration = (*integration, Argument(Constant(quoted(body.method)), "method"))

@@ -82,8 +82,8 @@ def _check_value(name: str, own: Type, span: Span, variable: FmuVariable, report
         report.add(UnusableFmu(span, text, f"write `{name} : {type_}`" if type_ else f"leave `{name}` out"))
         return
     if isinstance(own, RealType) and variable.unit is not None and not is_unit(own.unit, variable.unit):
-        text = f"`{name}` has the unit {own.unit} here, and {variable.unit.name} in the FMU"
         unit = unit_text(variable)
+        text = f"`{name}` has the unit {own.unit} here, and {unit or variable.unit.name} in the FMU"
         advice = f"write `{name} : {type_}<{unit}>`" if unit else "convert it in a submodel of your own"
         report.add(UnusableFmu(span, text, advice))
 

@@ -136,7 +136,7 @@ def recorded_inputs(network: CoreNetwork, environment: Environment, recording: S
         where = f"`{port.name}` ({port.span.source.name}:{port.span.line})"
         found = known.get(port.name)
         if found is None:
-            names = ", ".join(known) or "none"
+            names = ", ".join(recording.columns or known) or "none"
             raise InputsError(f"{recording.path} has no signal for the input {where}; it has: {names}")
         if recording.typed:
             _require_same(recording, found, wanted, where)

@@ -60,7 +60,8 @@ class StoredRecording:
     """``read`` gives the blocks of the ports at some positions, part by part: each part has what comes after the parts
     before it. ``format`` is what the file is, for people; ``whole`` says whether it has the end of its run. ``ended``
     is why the run ended, and ``time`` when, in nanoseconds; of a recording that is not whole "", and the last instant.
-    ``typed`` says whether the types and units are those of the program, or were guessed from the numbers.
+    ``typed`` says whether the types and units are those of the program, or were guessed from the numbers; ``columns``
+    are those of a table besides the time.
     """
 
     path: str
@@ -71,6 +72,7 @@ class StoredRecording:
     ended: str = ""
     time: int = 0
     typed: bool = True
+    columns: tuple[str, ...] = ()
 
     __hash__ = object.__hash__
 

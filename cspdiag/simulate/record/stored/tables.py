@@ -118,7 +118,8 @@ def open_table(path: str, ports: Sequence[RecordedPort] | None = None) -> Stored
     last = 0
     for part in reader.rows():
         last = part[-1][0]
-    return StoredRecording(path, "table", head, reader.read, _is_whole(path), "", last, typed=False)
+    names = tuple(columns[1:])
+    return StoredRecording(path, "table", head, reader.read, _is_whole(path), "", last, typed=False, columns=names)
 
 
 def _is_whole(path: str) -> bool:

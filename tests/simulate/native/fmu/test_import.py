@@ -201,12 +201,12 @@ def damaged(folder: Path, name: str, keep: Callable[[str], str | None], **added:
 def test_an_fmu_for_other_platforms_is_named(
     tank: Path, options: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    damaged(tank, "other", lambda name: "binaries/win64/x.dll" if name.startswith("binaries/") else name)
-    (tank / "other.csp").write_text(LOOP.format(fmu="other.fmu"))
+    place = damaged(tank, "an other", lambda name: "binaries/win64/x.dll" if name.startswith("binaries/") else name)
+    (tank / "other.csp").write_text(LOOP.format(fmu="an other.fmu"))
     assert main(["run", str(tank / "other.csp"), "--environment", "AsFmu", *options]) == 1
     reported = capsys.readouterr().err
-    assert "other.fmu has binaries for win64, none for this machine" in reported
-    assert "fmpy compile" in reported
+    assert f"cspdiag: {tank}/other.csp:3: {place} has binaries for win64, none for this machine" in reported
+    assert f"fmpy compile '{place}'" in reported
 
 
 @pytest.mark.parametrize("options", [["-O1"], ["--target", "c"]], ids=" ".join)
@@ -227,6 +227,10 @@ def test_nothing_is_written_outside_of_the_folder(
         (b'<fmiModelDescription fmiVersion="1.0"/>', "is an FMU for FMI 1.0"),
         (b"<fmiModelDescription", "has a damaged modelDescription.xml"),
         (b'<fmiModelDescription fmiVersion="2.0"/>', "has a modelDescription.xml that lacks"),
+        (
+            b'<fmiModelDescription fmiVersion="2.0" modelName="x" guid="y" numberOfEventIndicators="many"/>',
+            "has a modelDescription.xml with a wrong number: invalid literal for int() with base 10: 'many'",
+        ),
     ],
 )
 def test_what_is_no_fmu_is_a_diagnostic(
@@ -241,8 +245,9 @@ def test_what_is_no_fmu_is_a_diagnostic(
         place.write_bytes(data)
     (tank / "damaged.csp").write_text(LOOP.format(fmu="damaged.fmu"))
     assert main(["check", str(tank / "damaged.csp")]) == 1
-    shown = capsys.readouterr()
-    assert f"error[E0840]: {place} {reported}" in shown.out + shown.err
+    shown = "".join(capsys.readouterr())
+    assert f"error[E0840]: {place} {reported}" in shown
+    assert shown.endswith("1 error\n"), "ports that nobody knows are not reported"
 
 
 @pytest.mark.parametrize(
@@ -260,6 +265,24 @@ def test_ports_that_do_not_fit(tank: Path, ports: str, reported: str, capsys: py
     assert main(["check", str(tank / "ports.csp")]) == 1
     shown = capsys.readouterr()
     assert reported in shown.out + shown.err
+
+
+def test_a_unit_whose_name_is_that_of_another_is_shown_by_its_dimension(
+    tank: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with zipfile.ZipFile(tank / "tank_bench.fmu") as archive:
+        description = archive.read("modelDescription.xml")
+    assert b'<BaseUnit m="1"' in description
+    description = description.replace(b'<BaseUnit m="1"', b'<BaseUnit kg="1"')
+    damaged(
+        tank, "kilograms", lambda name: None if name == "modelDescription.xml" else name,
+        **{"modelDescription.xml": description},
+    )  # fmt: skip
+    (tank / "ports.csp").write_text(
+        'submodel Plant fmu "kilograms.fmu" { in opening : double  out level : double<m> }\n'
+    )
+    assert main(["check", str(tank / "ports.csp")]) == 1
+    assert "`level` has the unit m here, and kg in the FMU" in "".join(capsys.readouterr())
 
 
 def test_an_error_at_a_step_ends_the_run_with_its_text_and_safe_values(

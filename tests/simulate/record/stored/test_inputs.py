@@ -163,6 +163,16 @@ def test_a_recording_that_does_not_fit_is_refused(
     assert reason in capsys.readouterr().err.replace(f"{tmp_path}/", "")
 
 
+def test_a_table_without_a_column_for_an_input_is_refused_with_those_that_it_has(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program, table = tmp_path / "main.csp", tmp_path / "other.csv"
+    program.write_text(PROGRAM)
+    table.write_text("time,level,valve\n0.001,1,2\n")
+    assert run(program, "--inputs", str(table)) == 1
+    assert "; it has: level, valve" in capsys.readouterr().err
+
+
 def test_a_run_ends_where_its_inputs_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     program, recording = tmp_path / "main.csp", tmp_path / "run.mcap"
     program.write_text(PROGRAM)
