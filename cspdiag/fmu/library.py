@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -46,6 +47,7 @@ class Library:
             "unzipDirectory": folder,
             "instanceName": self.description.name,
         }
+        folder_of_process = os.getcwd()
         try:
             fmu = class_(**facts)
             if self._is_new:
@@ -54,6 +56,7 @@ class Library:
                 self._callbacks = _callbacks(self._messages)
                 fmu.instantiate(callbacks=self._callbacks)
         except Exception as problem:
+            os.chdir(folder_of_process)  # fmpy loads a binary from its own folder, and stays there if that fails.
             raise FmuError(
                 self._with_message(f"{self.path} cannot be loaded: {problem}"),
                 "its binary is damaged, or needs a library that is not here: export it again, or compile its sources, "
