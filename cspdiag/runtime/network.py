@@ -183,7 +183,8 @@ class NetworkRun:
 
     def released(self, outcome: Outcome) -> Outcome:
         """Releases the outputs after a run that was continued piece by piece; the outcome with what is known then."""
-        return self._concluded(outcome, self._release())
+        with self._preferred:
+            return self._concluded(outcome, self._release())
 
     def _concluded(self, outcome: Outcome, errors: Sequence[BaseException]) -> Outcome:
         failure = text_of(outcome.error) if outcome.ended == "failed" and outcome.error is not None else None
@@ -210,11 +211,13 @@ class NetworkRun:
             return Outcome("failed", self._scheduler.now, error=error)
 
     def _ending(self) -> Outcome:
-        if self._clock.real:
-            self._preference = self._preferred.enter_context(preferred())
         self.start()
-        with stopping.raising(patiently=True):
-            return self._in_real_time() if self._clock.real else self._in_virtual_time()
+        if not self._clock.real:
+            with stopping.raising(patiently=True):
+                return self._in_virtual_time()
+        outcome = self.in_real_time()
+        assert outcome is not None
+        return outcome
 
     def _in_virtual_time(self) -> Outcome:
         until = END_OF_TIME if self._until is None else min(self._until, END_OF_TIME)
@@ -249,36 +252,45 @@ class NetworkRun:
             return partial(self._scheduler.run_ready_by, self._scheduler.policy)
         return self._scheduler.run_ready
 
-    def _in_real_time(self) -> Outcome:
-        """The same against the clock.
+    def in_real_time(self, until: int | None = None) -> Outcome | None:
+        """The same against the clock. When that shows ``until``, the result is None, and the run can be continued.
 
         The clock is read after each step of a process. All instants that have passed are met before the next one,
         so a process that computes for too long finds its samples overwritten. Instants that pass while others are met
         wait for the next iteration: processes run in between, however slow drivers are.
         """
-        run_first = self._scheduler.run_first
         watch = self._devices.watch
         watch.limits_steps = True
-        while True:
-            watch.iterations += 1
-            ready = run_first()
-            stopping.check()
-            self._stepped()
-            if self._root.ended:
-                return self._ended_by_itself()
-            if not ready and not self._can_continue():
-                return self._deadlocked()
-            instant = self._next_instant()
-            present = self._clock.now() if self._reached(self._limited(instant), ready) else -1
-            while (limited := self._limited(instant)) is not None and limited <= present:
+        with stopping.raising(patiently=True):
+            while until is None or self._clock.now() < until:
                 watch.iterations += 1
-                stopping.check()
-                if instant is None or instant != limited:
-                    return self._limit_reached(limited)
-                self._meet(instant, present)
-                instant = self._next_instant()
-            if self._has_news():
-                self._take_over(instant)
+                outcome = self._iteration(until)
+                if outcome is not None:
+                    return outcome
+        watch.limits_steps = False
+        return None
+
+    def _iteration(self, until: int | None) -> Outcome | None:
+        watch = self._devices.watch
+        ready = self._scheduler.run_first()
+        stopping.check()
+        self._stepped()
+        if self._root.ended:
+            return self._ended_by_itself()
+        if not ready and not self._can_continue():
+            return self._deadlocked()
+        instant = self._next_instant()
+        present = self._clock.now() if self._reached(_earlier(self._limited(instant), until), ready) else -1
+        while (limited := self._limited(instant)) is not None and limited <= present:
+            watch.iterations += 1
+            stopping.check()
+            if instant is None or instant != limited:
+                return self._limit_reached(limited)
+            self._meet(instant, present)
+            instant = self._next_instant()
+        if self._has_news():
+            self._take_over(instant)
+        return None
 
     def _stepped(self) -> None:
         """A process has made a step."""
@@ -293,9 +305,7 @@ class NetworkRun:
 
     def _limited(self, instant: int | None) -> int | None:
         """The instant, or the time limit if that is earlier."""
-        if self._until is None or (instant is not None and instant <= self._until):
-            return instant
-        return self._until
+        return _earlier(instant, self._until)
 
     def _limit_reached(self, until: int) -> Outcome:
         self._scheduler.now = until
@@ -322,6 +332,8 @@ class NetworkRun:
 
     def start(self) -> None:
         """Opens the drivers and evaluates the environment at time 0; then the outermost process is ready."""
+        if self._clock.real:
+            self._preference = self._preferred.enter_context(preferred())
         self._observe()
         self._devices.open()
         self._change_parameters(0)
@@ -409,3 +421,10 @@ class NetworkRun:
 def _name_of(party: Party | None) -> str:
     """The process on whose behalf a party communicates; empty for the environment."""
     return "" if party is None or party.process is None else party.process.name
+
+
+def _earlier(instant: int | None, other: int | None) -> int | None:
+    """The earlier of two instants, either of which may be never."""
+    if other is None or (instant is not None and instant <= other):
+        return instant
+    return other

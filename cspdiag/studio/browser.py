@@ -15,7 +15,9 @@ class Functions:
 
     def __init__(self, lay_out: Callable[[str], str], notify: Callable[[str], object]) -> None:
         layout.use(lay_out)
-        self._engine = Engine(lambda message: notify(_text(message)), kind="browser")
+        self._engine = Engine(
+            lambda method, params: notify(_text({"method": method, "params": params()})), kind="browser"
+        )
 
     def request(self, text: str) -> str:
         """The answer to a request."""

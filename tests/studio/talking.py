@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,10 @@ class Talk:
 
     def __init__(self, file: ProgramFile | None = None) -> None:
         self.notifications: list[dict[str, Any]] = []
-        self.engine = Engine(lambda message: self.notifications.append(_through_json(message)), file=file)
+        self.engine = Engine(self._notify, file=file)
+
+    def _notify(self, method: str, params: Callable[[], dict[str, Any]]) -> None:
+        self.notifications.append(_through_json({"method": method, "params": params()}))
 
     def ask(self, method: str, **params: Any) -> Any:
         """The result of a request; what is refused fails the test."""

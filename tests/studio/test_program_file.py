@@ -73,9 +73,7 @@ def test_bodies_outside_of_the_folder_of_the_file_are_found(tmp_path: Path) -> N
     main_file = tmp_path / "program" / "main.csp"
     main_file.write_text(PASSING.format(parts="../laws/laws.csp"))
     (tmp_path / "laws" / "laws.csp").write_text(LAW)
-    (tmp_path / "laws" / "law.py").write_text(
-        "class Law:\n    def step(self, value):\n        return {'level': value}\n"
-    )
+    (tmp_path / "laws" / "law.py").write_text("class Law:\n    def calculate(self, value):\n        return value\n")
     talk = talk_about(main_file)
     program = talk.ask("hello")["program"]
     assert program["main"] == "program/main.csp"

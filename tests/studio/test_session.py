@@ -227,7 +227,7 @@ def test_what_is_wrong_is_said(player: Player, method: str, params: dict, words:
 def test_a_program_that_never_leaves_an_instant_can_be_paused_and_stopped(
     player: Player, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cspdiag.studio.engine.session._PATIENCE", 0.05)
+    monkeypatch.setattr("cspdiag.studio.engine.live.session._PATIENCE", 0.05)
     session = player.ask("start", **program(LIVELOCK))["session"]
     player.ask("play", session=session, speed=0)
     player.engine.proceed()
@@ -247,10 +247,6 @@ def test_play_follows_the_clock(player: Player) -> None:
         player.engine.proceed()
     assert player.ask("pause", session=session)["now"] <= (time.perf_counter() - began) * 1000 * 1e9
     assert player.engine.due() is None
-
-
-def test_real_time_is_refused(player: Player) -> None:
-    assert "virtual time" in player.refused("start", **program(KNOB), real_time=True)
 
 
 def test_a_fault_of_the_environment_ends_the_session(player: Player) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Literal
 
 from ..deadlock import leaves, place_of_wait, words_of
-from ..kernel.clock import VirtualClock
+from ..kernel.clock import Clock, VirtualClock
 from ..kernel.observer import Observer
 from ..kernel.scheduler import Task
 from ..network import Network
@@ -33,11 +33,13 @@ class ResumableRun:
         *,
         on_miss: Literal["timeout", "count"] = "timeout",
         observer: Observer | None = None,
+        clock: Clock | None = None,
+        until: int | None = None,
     ) -> None:
         self._scheduler = network.new_scheduler(None)
         self.outcome: Outcome | None = None
         with self._scheduler as scheduler:
-            self._run = network.new_run(scheduler, environment, VirtualClock(), None, on_miss, observer)
+            self._run = network.new_run(scheduler, environment, clock or VirtualClock(), until, on_miss, observer)
             failed = self._run.caught(self._run.start)
         if failed is not None:
             self._end(failed)

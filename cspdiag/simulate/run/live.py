@@ -1,4 +1,4 @@
-"""A run in virtual time that is continued piece by piece, while it is watched and its inputs are taken over."""
+"""A run that is continued piece by piece, while it is watched and its inputs are taken over."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.network.ir.network import CoreNetwork, Environment
+from cspdiag.runtime.advance.paced import PacedRun
 from cspdiag.runtime.advance.resumable import ResumableRun
 from cspdiag.runtime.kernel.durations import END_OF_TIME
 from cspdiag.runtime.outcome import Outcome
 from cspdiag.runtime.outside.drivers import Signal
+from cspdiag.runtime.outside.sampled_inputs import SampledInput
 from cspdiag.simulate.record.recorder import Activity, Recorder
 from cspdiag.simulate.run.execute import built, chosen_environment, explain
 from cspdiag.simulate.run.package import LoadedPackage
@@ -40,24 +42,32 @@ class LiveRecorder(Recorder):
         self.ended.append((time, path))
         self.running.pop(path, None)
 
-    def empty(self) -> None:
-        """Forget what happened until now."""
-        happened: tuple[list[Any], ...] = (
-            self.communication_log, self.sample_log, self.releases, self.changes, self.refused, self.begun, self.ended,
-        )  # fmt: skip
-        for each in happened:
-            each.clear()  # The run keeps adding to the same lists.
+    def taken(self) -> LiveRecorder:
+        """What happened until now, which this one forgets."""
+        found = LiveRecorder()
+        found.running = dict(self.running)
+        for name in ("communication_log", "sample_log", "releases", "changes", "refused", "begun", "ended"):
+            happened: list[Any] = getattr(self, name)
+            setattr(found, name, happened.copy())
+            happened.clear()  # The run keeps adding to the same lists.
+        return found
 
 
 class LiveRun:
     """A program in an environment, from time 0 on, until ``until`` (nanoseconds).
 
-    The trace is that of ``execute.simulate`` as long as nobody takes over an input. Raises what that raises before a
-    run.
+    In virtual time the trace is that of ``execute.simulate`` as long as nobody takes over an input. In ``real_time``
+    the clock runs from now on; its caller continues it often enough. Raises what ``simulate`` raises before a run.
     """
 
     def __init__(
-        self, network: CoreNetwork, files: Mapping[str, str], environment: str | None = None, until: int | None = None
+        self,
+        network: CoreNetwork,
+        files: Mapping[str, str],
+        environment: str | None = None,
+        until: int | None = None,
+        *,
+        real_time: bool = False,
     ) -> None:
         self.network = network
         self.environment: Environment | None = chosen_environment(network, environment)
@@ -73,12 +83,16 @@ class LiveRun:
             drivers = {} if plant is None else plant.drivers
             inputs = [port for port in network.external_ports if port.direction == "in"]
             self._signals = {port.name: drivers[port.key] for port in inputs if type(drivers.get(port.key)) is Signal}
+            self._sampled = [port for port in running.ports if isinstance(port, SampledInput)]
             self.parameters = running.parameters
             if plant is not None:
                 _let_hands_in(plant, self._hands)
             on_miss = self.environment.on_miss if self.environment is not None else "timeout"
             observer: Any = self.recorder
-            self._run = ResumableRun(running, plant, on_miss=on_miss, observer=observer)
+            self._paced: PacedRun | None = None
+            if real_time:
+                self._paced = PacedRun(running, plant, until=self._until, on_miss=on_miss, observer=observer)
+            self._run = self._paced or ResumableRun(running, plant, on_miss=on_miss, observer=observer)
         except BaseException:
             self._package.close()
             raise
@@ -93,6 +107,18 @@ class LiveRun:
     def now(self) -> int:
         """The present instant in nanoseconds."""
         return max(self._run.now, self._reached_instant) if self.outcome is None else self.outcome.time
+
+    @property
+    def present(self) -> int:
+        """What the clock of a run in real time shows, in nanoseconds."""
+        assert self._paced is not None
+        return self._paced.present
+
+    @property
+    def missed(self) -> dict[str, int]:
+        """How many samples were missed until now, by the inputs of which some were."""
+        top = f"{self.network.top}."
+        return {port.name.removeprefix(top): port.missed for port in self._sampled if port.missed}
 
     @property
     def next_instant(self) -> int | None:

@@ -12,11 +12,11 @@ from cspdiag.studio.engine.failure import RequestError
 from cspdiag.studio.engine.programs import Programs
 
 if TYPE_CHECKING:
+    from cspdiag.studio.engine.live.session import Session
     from cspdiag.studio.engine.program_file import ProgramFile
-    from cspdiag.studio.engine.session import Session
 
-Notify: TypeAlias = Callable[[Data], object]
-"""Takes what the engine tells without being asked: ``{"method": ..., "params": ...}``."""
+Notify: TypeAlias = Callable[[str, Callable[[], Data]], object]
+"""Takes what the engine tells without being asked: a method, and what makes its parameters, in any thread."""
 Answer: TypeAlias = Callable[[Data], Any]
 
 
@@ -96,14 +96,15 @@ class Engine:
         from cspdiag.codegen import TARGETS
         from cspdiag.studio.engine.models import models
 
+        is_machine = self._kind == "machine"
         found: Data = {
             "engine": self._kind,
             "version": __version__,
             "able": {
                 "numpy": find_spec("numpy") is not None,
                 "native": False,
-                "devices": False,
-                "real_time": False,
+                "devices": is_machine,
+                "real_time": is_machine,
                 "save": False,
             },
             "targets": list(TARGETS),
@@ -172,11 +173,13 @@ class Engine:
     # Live sessions
 
     def _start(self, params: Data) -> Data:
-        from cspdiag.studio.engine.session import Session
+        from cspdiag.studio.engine.live.session import Session
 
+        if params.get("real_time") and self._kind == "browser":
+            raise RequestError("in a browser programs run in virtual time", "`cspdiag studio FILE` has real time")
         self.close()
         self._sessions += 1
-        self._session = Session(self._sessions, self._programs.files_of(params), params, self._tell)
+        self._session = Session(self._sessions, self._programs.files_of(params), params, self._notify)
         return self._session.description()
 
     def _session_of(self, params: Data) -> Session:
@@ -184,12 +187,14 @@ class Engine:
             raise RequestError("there is no such session", "start one")
         return self._session
 
-    def _tell(self, method: str, params: Data) -> None:
-        self._notify({"method": method, "params": params})
-
     def due(self) -> float | None:
         """Seconds until ``proceed`` is to be called, None if nothing runs."""
         return None if self._session is None else self._session.due()
+
+    @property
+    def keeps_pace(self) -> bool:
+        """Whether a program runs in real time, which nothing may delay."""
+        return self._session is not None and self._session.keeps_pace
 
     def proceed(self) -> None:
         """Let the session run for a frame, if one is due."""

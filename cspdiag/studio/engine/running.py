@@ -78,7 +78,17 @@ def signals_of(run: Run) -> dict[str, Data]:
 
 
 def text_of_ending(outcome: Outcome) -> str:
-    """Why a run ended, for people."""
+    """Why a run ended, for people; outputs that could not be released; how late a run in real time was."""
+    from cspdiag.runtime.kernel.durations import shown
+    from cspdiag.runtime.kernel.exceptions import described
+
+    lines = [_reason(outcome), *map(described, outcome.release_errors)]
+    late = [(period, jitter) for period, jitter in outcome.jitter.items() if jitter.count]
+    lines += [f"jitter of the {shown(period)} period: {jitter}" for period, jitter in late]
+    return "\n".join(lines)
+
+
+def _reason(outcome: Outcome) -> str:
     from cspdiag.runtime.kernel.durations import shown
     from cspdiag.runtime.kernel.exceptions import described
 

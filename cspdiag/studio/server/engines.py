@@ -24,14 +24,22 @@ class EngineGoneError(CspdiagError):
 
 
 class EngineProcess:
-    """An engine that is asked by ``request`` and reports each notification to ``on_notification``, as text."""
+    """An engine that is asked by ``request`` and reports each notification to ``on_notification``, as text.
+
+    ``on_end`` is called if it ends by itself, and begins again when it is asked.
+    """
 
     def __init__(
-        self, command: Sequence[str], folder: str, on_notification: Callable[[str, dict[str, Any]], None]
+        self,
+        command: Sequence[str],
+        folder: str,
+        on_notification: Callable[[str, dict[str, Any]], None] = lambda text, message: None,
+        on_end: Callable[[], None] = lambda: None,
     ) -> None:
         self._command = command
         self._folder = folder
         self._on_notification = on_notification
+        self._on_end = on_end
         self._process: Process | None = None
         self._reader: asyncio.Task[None] | None = None
         self._waiting: dict[int, asyncio.Future[dict[str, Any]]] = {}
@@ -73,24 +81,29 @@ class EngineProcess:
         assert process.stdout is not None
         try:
             while line := await process.stdout.readline():
-                self._take(line.decode())
+                if self._take(line.decode()):
+                    # Who waits for the answer passes it on before what the engine told next.
+                    await asyncio.sleep(0)
         except ValueError:  # A message that is too long.
             process.kill()
         finally:
             if self._process is process:
                 self._process = None
+                self._on_end()
             for answer in self._waiting.values():
                 if not answer.done():
                     answer.set_exception(EngineGoneError())
 
-    def _take(self, line: str) -> None:
+    def _take(self, line: str) -> bool:
+        """Pass a message on; whether it is an answer."""
         message = json.loads(line)
         if "id" not in message:
             self._on_notification(line, message)
-            return
+            return False
         answer = self._waiting.get(message["id"])
         if answer is not None and not answer.done():
             answer.set_result(message)
+        return True
 
     async def end(self) -> None:
         """End the process: its program releases its outputs when the input ends; by force if that takes too long."""

@@ -31,8 +31,8 @@ class Room:
         self._files = files
         self.viewers: list[Viewer] = []
         self._hand: Viewer | None = None
-        self._questions = EngineProcess(command, files.command_folder, lambda text, message: None)
-        self._work = EngineProcess(command, files.command_folder, lambda text, message: None)
+        self._questions = EngineProcess(command, files.command_folder)
+        self._work = EngineProcess(command, files.command_folder)
         self._session = self._new_session()
         self._running: dict[str, Any] | None = None
         self._own: dict[str, Callable[[Viewer, Any], Any]] = {
@@ -103,7 +103,7 @@ class Room:
         return message["result"]
 
     def _new_session(self) -> EngineProcess:
-        return EngineProcess(self._command, self._files.command_folder, self._notify)
+        return EngineProcess(self._command, self._files.command_folder, self._notify, self._session_gone)
 
     def _notify(self, text: str, message: dict[str, Any]) -> None:
         """Passes a notification of the session on to all pages."""
@@ -127,10 +127,18 @@ class Room:
         running, self._running = self._running, None
         session, self._session = self._session, self._new_session()
         await session.end()
+        self._tell_end(running, "stopped", f"stopped: {why}")
+
+    def _session_gone(self) -> None:
+        """The engine of the running program has ended by itself."""
+        running, self._running = self._running, None
+        self._tell_end(running, "fault", "the engine that ran the program has ended; the terminal may say why")
+
+    def _tell_end(self, running: dict[str, Any] | None, reason: str, text: str) -> None:
         if running is not None:
-            ended = {"session": running["session"], "at": None, "reason": "stopped", "text": f"stopped: {why}"}
+            ended = {"session": running["session"], "at": None, "reason": reason, "text": text, "waiting": []}
             for viewer in self.viewers:
-                viewer.send({"method": "ended", "params": {**ended, "waiting": []}})
+                viewer.send({"method": "ended", "params": ended})
 
     async def _take_hand(self, viewer: Viewer, params: Any) -> dict[str, Any]:
         self._hand = viewer

@@ -165,6 +165,8 @@ export interface StartResult {
   channels: unknown[];
   parameters?: ParameterInfo[] | null;
   until?: number | null;
+  /** Whether it keeps pace with the clock, and cannot be paused. */
+  real_time?: boolean | null;
 }
 
 export interface Communication {
@@ -198,6 +200,8 @@ export interface Frame {
   /** Changes of parameters that the program did not accept. */
   refused?: { parameter: string; text: string }[];
   waiting?: Waiting[];
+  /** How many samples of inputs were missed until now. */
+  missed?: Record<string, number>;
 }
 
 export interface Ended {

@@ -18,6 +18,7 @@ const WINDOW = 10e9;
 /** A communication is marked for this long after it, in nanoseconds of the program. */
 const FLASH = 100e6;
 const MOST_SHOWN = 8;
+const REAL_TIME = "real time";
 
 export class RunPanel {
   private readonly environment = element("environment", HTMLSelectElement);
@@ -58,14 +59,27 @@ export class RunPanel {
     this.back.addEventListener("click", () => void session.back());
     this.stop.addEventListener("click", () => void session.stop());
     this.speed.addEventListener("change", () => {
-      if (session.phase === "playing") {
-        void session.play(Number(this.speed.value));
+      if (session.phase === "playing" && session.realTime === this.realTime) {
+        void session.play(this.chosenSpeed);
       }
     });
     this.environment.addEventListener("change", () => void this.reset());
     this.scrub.addEventListener("input", () => void this.look(this.scrub.valueAsNumber * 1e6));
     session.onChange(() => this.soon());
     this.soon();
+  }
+
+  /** What the engine can do. */
+  able(able: Record<string, boolean>): void {
+    element("speed-real", HTMLOptionElement).hidden = able["real_time"] !== true;
+  }
+
+  private get realTime(): boolean {
+    return this.speed.value === REAL_TIME;
+  }
+
+  private get chosenSpeed(): number {
+    return this.realTime ? 1 : Number(this.speed.value);
   }
 
   /** What the check found of environments and parameters. */
@@ -117,7 +131,7 @@ export class RunPanel {
     if (this.session.phase === "playing") {
       await this.session.pause();
     } else if (await this.ready()) {
-      await this.session.play(Number(this.speed.value));
+      await this.session.play(this.chosenSpeed);
     }
   }
 
@@ -136,12 +150,13 @@ export class RunPanel {
   private async ready(): Promise<boolean> {
     const { session } = this;
     const over = session.phase === "ended" && session.live;
-    if (session.started !== undefined && !over && this.ranVersion === this.workspace.version) {
+    const same = this.ranVersion === this.workspace.version && session.realTime === this.realTime;
+    if (session.started !== undefined && !over && same) {
       return true;
     }
     this.ranVersion = this.workspace.version;
     // With the pictures, which other pages show, too.
-    return session.start(this.workspace.program, this.environment.value);
+    return session.start(this.workspace.program, this.environment.value, this.realTime);
   }
 
   /** Paints once in each frame of the screen, however much has happened. */
@@ -167,8 +182,9 @@ export class RunPanel {
       this.plantRoom.hidden = !this.plant.open(pictureOf(this.workspace.program, started.environment ?? this.environment.value), names);
     }
     this.run.textContent = phase === "playing" ? "Pause" : phase === "ended" ? "Again" : phase === "paused" ? "Resume" : "Run";
-    this.run.disabled = phase === "starting" || !this.controls;
-    this.step.disabled = !this.controls && session.live;
+    const paced = session.realTime && phase === "playing";
+    this.run.disabled = phase === "starting" || paced || !this.controls;
+    this.step.disabled = (paced || !this.controls) && session.live;
     const any = started !== undefined;
     this.back.disabled = !any || session.shown <= 0;
     this.stop.disabled = !any || phase === "ended" || !this.controls;
@@ -207,7 +223,8 @@ export class RunPanel {
     const { session } = this;
     const { ended, problem } = session;
     const stale = session.started !== undefined && this.ranVersion !== this.workspace.version;
-    const key = `${problem}|${ended?.text ?? ""}|${ended?.reason ?? ""}|${stale}`;
+    const missed = Object.entries(session.missed).map(([name, count]) => `${name} (${count})`);
+    const key = `${problem}|${ended?.text ?? ""}|${ended?.reason ?? ""}|${stale}|${missed.join()}`;
     if (this.note.dataset["key"] === key) {
       return;
     }
@@ -227,6 +244,11 @@ export class RunPanel {
       }
     } else if (stale) {
       this.note.append("This is a run of the text as it was. ", button("Run the new text", () => void this.again()));
+    }
+    if (missed.length > 0) {
+      this.note.classList.add("bad");
+      const text = `Samples that came too late to be taken: ${missed.join(", ")}.`;
+      this.note.append(Object.assign(document.createElement("p"), { textContent: text }));
     }
     this.note.hidden = this.note.childNodes.length === 0;
   }

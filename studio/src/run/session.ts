@@ -12,6 +12,8 @@ export class Session {
   recording = new Recording([]);
   ended: Ended | undefined;
   problem = "";
+  /** How many samples of inputs were missed until now. */
+  missed: Record<string, number> = {};
   /** The instant that is shown; undefined: the latest. */
   private looked: number | undefined;
   private listeners: (() => void)[] = [];
@@ -32,19 +34,24 @@ export class Session {
     return this.looked ?? this.recording.now;
   }
 
+  /** Whether the run keeps pace with the clock: then it can be stopped, not paused. */
+  get realTime(): boolean {
+    return this.started?.real_time === true;
+  }
+
   get live(): boolean {
     return this.looked === undefined;
   }
 
-  /** Begins a run of the program as it is now; it stands at its first instant. */
-  async start(program: Program, environment: string): Promise<boolean> {
+  /** Begins a run of the program as it is now; it stands at its first instant, unless it keeps pace with the clock. */
+  async start(program: Program, environment: string, realTime: boolean): Promise<boolean> {
     await this.leave();
     this.phase = "starting";
     this.problem = "";
     this.changed();
     try {
       const chosen = environment === "" ? {} : { environment };
-      this.started = await this.engine.request("start", { ...program, ...chosen });
+      this.started = await this.engine.request("start", { ...program, ...chosen, real_time: realTime });
     } catch (problem) {
       this.fail(problem);
       return false;
@@ -78,7 +85,7 @@ export class Session {
   }
 
   async pause(): Promise<void> {
-    if (this.phase === "playing") {
+    if (this.phase === "playing" && !this.realTime) {
       this.phase = "paused";
       this.changed();
       await this.ask(() => this.engine.request("pause", { session: this.session }));
@@ -91,7 +98,7 @@ export class Session {
     const next = this.looked === undefined ? undefined : this.recording.after(this.looked);
     if (next !== undefined) {
       this.look(next);
-    } else if (this.ended === undefined && this.started !== undefined) {
+    } else if (this.ended === undefined && this.started !== undefined && !this.realTime) {
       this.looked = undefined;
       await this.ask(() => this.engine.request("step", { session: this.session, by: "communication" }));
     }
@@ -127,6 +134,7 @@ export class Session {
     this.phase = "idle";
     this.looked = undefined;
     this.problem = "";
+    this.missed = {};
     this.sent.clear();
     this.recording = new Recording([]);
     this.changed();
@@ -182,6 +190,7 @@ export class Session {
   private frame(frame: Frame): void {
     if (frame.session === this.started?.session) {
       this.recording.add(frame);
+      this.missed = frame.missed ?? {};
       const refused = frame.refused?.at(-1);
       this.problem = refused === undefined ? this.problem : `${refused.parameter}: ${refused.text}`;
       this.changed();

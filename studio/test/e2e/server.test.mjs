@@ -80,3 +80,18 @@ test("of two pages one controls the program, and the other can take control", as
   await first.close();
   await second.close();
 });
+
+test("in real time a program keeps pace with the clock, and can be stopped, not paused", async () => {
+  const page = await open();
+  await page.getByLabel("Example", { exact: true }).selectOption("watchdog");
+  await page.locator(".files button[aria-pressed=true]", { hasText: "watchdog.csp" }).waitFor();
+  await page.getByLabel("Speed").selectOption("real time");
+  await page.locator("#ui-run-button").click();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.3);
+  assert.equal(await page.locator("#ui-run-button").isDisabled(), true);
+  assert.equal(await page.locator("#ui-step").isDisabled(), true);
+  await page.getByRole("button", { name: "Stop" }).click();
+  await page.locator("#ui-run-note", { hasText: /stopped at [\d.]+ m?s/ }).waitFor();
+  await screenshot(page, "real-time");
+  await page.close();
+});

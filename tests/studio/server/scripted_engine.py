@@ -48,9 +48,11 @@ def main(file: str) -> None:
         if method == "format":
             send({"id": request["id"], "error": {"message": "no", "help": "do"}})
             continue
-        if method == "explain":
+        if method in ("explain", "step"):
             sys.exit(3)
         send({"id": request["id"], "result": result})
+        if params.get("ends"):
+            send({"method": "ended", "params": {"session": "1", "reason": "fault"}})
     _stopped.set()
     with open(f"{file}.released", "a", encoding="utf-8") as text:
         text.write("released\n")

@@ -68,6 +68,29 @@ def test_the_program_is_stopped_when_the_page_that_controls_it_goes(tmp_path: Pa
         second.ask("start")
 
 
+def test_pages_are_told_when_the_engine_of_the_program_ends(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        first, second = studio.open(), studio.open()
+        first.ask("start")
+        with pytest.raises(RuntimeError, match="ended before it answered"):
+            first.ask("step")
+        ended = second.wait_for("ended")
+        assert (ended["session"], ended["reason"]) == ("1", "fault")
+        assert "running" not in second.ask("hello")
+        first.ask("start")
+
+
+def test_a_run_that_ends_at_once_has_begun_before(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        first, second = studio.open(), studio.open()
+        first.ask("start", ends=True)
+        first.wait_for("ended")
+        second.wait_for("ended")
+        assert [each["method"] for each in second.notifications][-2:] == ["started", "ended"]
+        assert "ended" not in [each["method"] for each in first.notifications[:-1]]
+        assert "running" not in second.ask("hello")
+
+
 def test_the_program_is_stopped_when_the_server_ends(tmp_path: Path) -> None:
     with Studio(tmp_path) as studio:
         page = studio.open()

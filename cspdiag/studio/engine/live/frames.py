@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from cspdiag.studio.engine.values import shown_values, value_data
 
 if TYPE_CHECKING:
     from cspdiag.model.types import Type
-    from cspdiag.simulate.run.live import LiveRun
+    from cspdiag.simulate.run.live import LiveRecorder, LiveRun
 
 MOST_COMMUNICATIONS = 200
 """The last of them are shown."""
@@ -36,15 +36,23 @@ class Frames:
         self._modes = {path: (group.name, mode) for group in self.groups for path, mode in group.modes.items()}
         self._last = 0
 
-    def next(self) -> Data:
-        """What happened since the last frame; the run forgets it."""
-        recorder = self._run.recorder
-        count = len(recorder.communication_log) // 5
-        frame = {
+    def next(self, *, with_waiting: bool = True) -> Callable[[], Data]:
+        """What happened since the last frame; the run forgets it. The result makes the frame, in any thread."""
+        recorder = self._run.recorder.taken()
+        about = {
             "from": self._last,
             "to": self._run.now,
-            "signals": self._signals(),
-            "communications": self._communications(count),
+            "waiting": waiting(self._run) if with_waiting else [],
+            "missed": self._run.missed,
+        }
+        self._last = self._run.now
+        return lambda: {**about, **self._happened(recorder)}
+
+    def _happened(self, recorder: LiveRecorder) -> Data:
+        count = len(recorder.communication_log) // 5
+        return {
+            "signals": self._signals(recorder),
+            "communications": self._communications(recorder, count),
             "omitted": max(0, count - MOST_COMMUNICATIONS),
             "modes": [
                 {"t": time, "group": self._modes[path][0], "path": path, "mode": self._modes[path][1]}
@@ -54,19 +62,14 @@ class Frames:
             "started": [path for _, path in recorder.begun],
             "ended": [path for _, path in recorder.ended],
             "running": list(recorder.running),
-            "waiting": waiting(self._run),
             "changes": [
                 {"t": time, "parameter": name, "path": list(path), "value": value_data(value, None)}
                 for time, name, path, value in recorder.changes
             ],
             "refused": [{"t": time, "parameter": name, "text": why} for time, name, why in recorder.refused],
         }
-        self._last = self._run.now
-        recorder.empty()
-        return frame
 
-    def _signals(self) -> dict[str, Data]:
-        recorder = self._run.recorder
+    def _signals(self, recorder: LiveRecorder) -> dict[str, Data]:
         passed = (entry for entry in recorder.communications if entry[1] in self._ports)
         released = ((time, port, value, "", "") for time, port, value in recorder.releases if port in self._ports)
         found = histories_of((*passed, *released), recorder.samples)
@@ -81,8 +84,8 @@ class Frames:
             if column.channel in found
         }
 
-    def _communications(self, count: int) -> list[Data]:
-        shown: Iterable[Any] = islice(self._run.recorder.communications, max(0, count - MOST_COMMUNICATIONS), None)
+    def _communications(self, recorder: LiveRecorder, count: int) -> list[Data]:
+        shown: Iterable[Any] = islice(recorder.communications, max(0, count - MOST_COMMUNICATIONS), None)
         return [
             {"t": time, "channel": channel, "writer": writer or None, "reader": reader or None,
              "value": value_data(value, self._types.get(channel))}

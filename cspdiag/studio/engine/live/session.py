@@ -1,8 +1,11 @@
-"""A live session: a program that runs in virtual time, as fast as the page wants, one piece after the other."""
+"""A live session: a program that runs one piece after the other, in virtual time as fast as the page wants, or in real
+time with its devices.
+"""
 
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from cspdiag import pipeline
@@ -15,7 +18,7 @@ from cspdiag.simulate.run.live import LiveRun
 from cspdiag.studio.engine.checking import parameters_of
 from cspdiag.studio.engine.data import Data
 from cspdiag.studio.engine.failure import RequestError
-from cspdiag.studio.engine.frames import Frames, waiting
+from cspdiag.studio.engine.live.frames import Frames, waiting
 from cspdiag.studio.engine.running import ENDINGS, settings, text_of_ending
 from cspdiag.studio.engine.values import about, number_of
 from cspdiag.tuning import parse_change
@@ -24,29 +27,32 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from cspdiag.network.ir.network import ExternalPort
+    from cspdiag.runtime import Outcome
     from cspdiag.studio.engine.programs import Files
 
-    Tell = Callable[[str, Data], object]
+    Tell = Callable[[str, Callable[[], Data]], object]
 
 INTERVAL = 1 / 60
 """Seconds between two frames."""
 _WORK = 0.8 * INTERVAL
 """Seconds of computing for a frame; the rest is for requests."""
+_VIRTUAL = "run it in virtual time"
 _PATIENCE = 1.0
 """Seconds that a step takes at most, for programs that never leave an instant."""
 
 
 class Session:
-    """One run. ``tell`` takes its notifications: a method and parameters. Raises what building and starting raise."""
+    """One run. ``tell`` takes its notifications: a method, and what makes its parameters, in any thread. Raises what
+    building and starting raise.
+    """
 
     def __init__(self, number: int, files: Files, params: Data, tell: Tell) -> None:
         self.number = number
         self._tell = tell
         until = params.get("until")
-        if params.get("real_time"):
-            raise RequestError(
-                "sessions run in virtual time, without devices", "`cspdiag run --real-time` runs with them"
-            )
+        self._real_time = params.get("real_time", False)
+        if not isinstance(self._real_time, bool):
+            raise RequestError("`real_time` is true or false")
         built = pipeline.build(
             files.source,
             files.read,
@@ -61,11 +67,11 @@ class Session:
         with file_errors():
             package = pipeline.generate(built.network, files.read, level=1, traced=True, observed=True)
         limit = None if until is None else time_limit(until)
-        self._run = LiveRun(built.network, package, _text(params, "environment"), limit)
+        self._run = LiveRun(built.network, package, _text(params, "environment"), limit, real_time=self._real_time)
         self._until = limit
         self._frames = Frames(self._run)
         self._ports = {port.name: port for port in built.network.external_ports}
-        self._speed: float | None = None
+        self._speed: float | None = 1.0 if self._real_time else None
         self._base = (0.0, 0)
         """An instant of the clock in seconds, and the instant of the run that belongs to it."""
         self._due = 0.0
@@ -78,6 +84,7 @@ class Session:
             "session": self.number,
             "top": self._network.top,
             "environment": None if environment is None else environment.name,
+            "real_time": self._real_time,
             "signals": [
                 {"name": name, "direction": port.direction, **about(kind), "hand": path == () and self._is_free(port),
                  "period": None if port.sampling is None else port.sampling.period}
@@ -104,6 +111,10 @@ class Session:
         if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 <= speed <= 1e6:
             raise RequestError("`speed` is a number from 0 to 1000000")
         self._require_running()
+        if self._real_time:
+            if speed != 1:
+                raise RequestError("a program that runs in real time has the speed 1", _VIRTUAL)
+            return {}
         self._speed = float(speed)
         self._set_base()
         self._due = time.perf_counter()
@@ -111,6 +122,7 @@ class Session:
 
     def pause(self) -> Data:
         """Stop where it is."""
+        self._require_virtual()
         self._speed = None
         return {"now": self._run.now}
 
@@ -121,6 +133,7 @@ class Session:
             raise RequestError("`by` is communication or instant")
         if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 100_000:
             raise RequestError("`count` is a whole number from 1 to 100000")
+        self._require_virtual()
         self._require_running()
         self._speed = None
         over = time.perf_counter() + _PATIENCE
@@ -179,12 +192,22 @@ class Session:
 
     # Time
 
+    @property
+    def keeps_pace(self) -> bool:
+        """Whether it runs, in real time."""
+        return self._real_time and self._speed is not None
+
     def due(self) -> float | None:
         """Seconds until ``proceed`` is to be called; None: the run does not play."""
-        return None if self._speed is None else max(0.0, self._due - time.perf_counter())
+        if self._speed is None:
+            return None
+        return 0.0 if self._real_time else max(0.0, self._due - time.perf_counter())
 
     def proceed(self) -> None:
         """Continue for a frame, if one is due."""
+        if self._real_time:
+            self._keep_pace()
+            return
         began = time.perf_counter()
         if self._speed is None or began < self._due:
             return
@@ -196,12 +219,21 @@ class Session:
             self._set_base()  # It is slower than wanted, and does not try to catch up.
         self._show()
 
+    def _keep_pace(self) -> None:
+        if self._speed is not None:
+            self._run.advance(self._run.present + round(INTERVAL * 1e9), lambda: False)
+            self._show()
+
     def _set_base(self) -> None:
         self._base = time.perf_counter(), self._run.now
 
     def _require_running(self) -> None:
         if self._has_ended:
             raise RequestError("the run has ended", "start it again")
+
+    def _require_virtual(self) -> None:
+        if self._real_time:
+            raise RequestError("a program that runs in real time can be stopped, not paused", _VIRTUAL)
 
     def _show(self) -> None:
         if self._has_ended:
@@ -210,27 +242,29 @@ class Session:
         if outcome is not None:
             self._has_ended = True
             self._speed = None
-        self._tell("frame", {"session": self.number, **self._frames.next()})
-        if outcome is None:
-            return
-        self._run.end()
+        # Asking each process takes longer than some periods.
+        frame = self._frames.next(with_waiting=not self._real_time)
+        self._tell("frame", lambda: {"session": self.number, **frame()})
+        if outcome is not None:
+            self._run.end()
+            self._tell("ended", partial(self._ended, outcome))
+
+    def _ended(self, outcome: Outcome) -> Data:
         deadlock = outcome.deadlock
         stuck = () if deadlock is None else deadlock.waiting
-        self._tell(
-            "ended",
-            {
-                "session": self.number,
-                "at": outcome.time,
-                "reason": ENDINGS[outcome.ended],
-                "text": text_of_ending(outcome),
-                "waiting": [
-                    {"process": each.path, "channels": list(each.channels), "for": each.waits, "place": each.place,
-                     "partners": list(each.partners)}
-                    for each in stuck
-                ],
-                "ring": [] if deadlock is None else [each.path for each in deadlock.cycle],
-            },
-        )  # fmt: skip
+        return {
+            "session": self.number,
+            "at": outcome.time,
+            "reason": ENDINGS[outcome.ended],
+            "text": text_of_ending(outcome),
+            "missed": self._run.missed,
+            "waiting": [
+                {"process": each.path, "channels": list(each.channels), "for": each.waits, "place": each.place,
+                 "partners": list(each.partners)}
+                for each in stuck
+            ],
+            "ring": [] if deadlock is None else [each.path for each in deadlock.cycle],
+        }  # fmt: skip
 
 
 def _text(params: Data, name: str) -> Any:

@@ -1,0 +1,1 @@
+"""Sessions: programs that run while they are watched, steered and stopped."""
