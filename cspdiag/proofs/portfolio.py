@@ -114,7 +114,7 @@ def _followed(question: StuckQuestion, verdict: Unknown, limits: Limits, most_st
 
 def _share(limits: Limits, methods: int) -> Limits:
     """Half of the time that is left, or all of it for the last method."""
-    return Limits(limits.remaining if methods == 1 else limits.remaining / 2, limits.memory)
+    return limits.part(limits.remaining if methods == 1 else limits.remaining / 2)
 
 
 def _together(unknown: Sequence[Unknown]) -> Unknown:

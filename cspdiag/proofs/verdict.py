@@ -97,6 +97,10 @@ class Limits:
         """Seconds that are left; negative when the time is up."""
         return self.seconds - (self.clock() - self.started)
 
+    def part(self, seconds: float) -> Limits:
+        """Limits for a part of the work, by the same clock."""
+        return Limits(min(seconds, self.remaining), self.memory, self.clock)
+
     def time_is_up(self) -> LimitError:
         """The exception for the time limit."""
         return LimitError(f"the time limit of {self.seconds:.3g} s was reached")

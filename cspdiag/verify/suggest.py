@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping
 from itertools import islice
 
@@ -25,7 +26,9 @@ MOST_SUGGESTIONS = 4
 MOST_OF_A_KIND = 2
 MOST_TRIED = 24
 SECONDS = 3.0
-"""The time for trying all changes together, and again the same time for a program that is not small."""
+"""The processor time for trying all changes together, and again the same time for a program that is not small: what is
+suggested does not depend on the load of the machine.
+"""
 SMALL = 8
 """In a program with more instances, changes are first tried with a smaller constant, if the program then waits at the
 same places.
@@ -51,7 +54,7 @@ def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[
     network = deadlock.obligations.network(deadlock.question.process)
     if network is None or not deadlock.found.waiting:
         return ()
-    limits = Limits(min(SECONDS, within.remaining))
+    limits = _for_changes(within)
     if len(network.instances) <= SMALL:
         return tuple(_proved(deadlock, read, limits))
     found = _smaller(deadlock, read, limits)
@@ -59,11 +62,15 @@ def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[
         return tuple(_proved(deadlock, read, limits))
     smaller, proved_with = found
     helping = list(_proved(smaller, read, limits))
-    limits = Limits(min(SECONDS, within.remaining))
+    limits = _for_changes(within)
     return tuple(
         suggestion if _helps(suggestion, deadlock, read, limits) else replaced(suggestion, proved_with=proved_with)
         for suggestion in helping
     )
+
+
+def _for_changes(within: Limits) -> Limits:
+    return Limits(min(SECONDS, within.remaining), within.memory, time.process_time)
 
 
 def _proved(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> Iterator[Suggestion]:
@@ -121,7 +128,7 @@ def _answer(obligations: pipeline.ProofObligations, limits: Limits) -> Answer | 
     if limits.remaining <= 0:
         return None
     try:
-        return prove(question, SystemCache(obligations).of, Limits(limits.remaining, limits.memory))
+        return prove(question, SystemCache(obligations).of, limits.part(limits.remaining))
     except VerificationError:
         return None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,13 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 _LIMIT = 300
 """Seconds that the commands of a block may take."""
+
+_TIMES = (
+    (re.compile(r"^(\w+ +.*\([\w -]+), [\d.e-]+ s\)$", re.MULTILINE), r"\1)"),
+    (re.compile(r"^(\d+ (?:propert|assertion).*) in [\d.e-]+ s$", re.MULTILINE), r"\1"),
+    (re.compile(r"^(  simulated [\d.]+ \w+) in .*$", re.MULTILINE), r"\1"),
+)
+"""What is left out of what commands print: how long it took on the machine that made the site."""
 
 
 class CommandError(Exception):
@@ -33,7 +41,9 @@ class Shell:
         path.write_text(text, encoding="utf-8")
 
     def run(self, commands: str) -> str:
-        """What the commands print, in order. Exit code 1 is an answer, as of ``verify`` about what does not hold.
+        """What the commands print, in order, without how long they took.
+
+        Exit code 1 is an answer, as of ``verify`` about what does not hold.
 
         Raises CommandError for any other, and for a traceback.
         """
@@ -56,7 +66,7 @@ class Shell:
             if done.returncode not in (0, 1) or "Traceback (most recent" in done.stdout:
                 raise CommandError(f"`{command}` ended with exit code {done.returncode}:\n{done.stdout}")
             printed.append(done.stdout)
-        return "".join(printed)
+        return without_times("".join(printed))
 
     @property
     def pictures(self) -> set[str]:
@@ -65,3 +75,10 @@ class Shell:
 
     def __contains__(self, name: str) -> bool:
         return (self.folder / name).is_file()
+
+
+def without_times(printed: str) -> str:
+    """What a command printed without the times that it took, which say nothing to those who read the site."""
+    for pattern, kept in _TIMES:
+        printed = pattern.sub(kept, printed)
+    return printed

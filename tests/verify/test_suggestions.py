@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -307,3 +308,17 @@ def test_the_lines_of_a_change_are_replaced() -> None:
     assert (styled.span.text, styled.replacement) == ("two\n", "  2\n  2\n")
     assert styled.text == "one\n  2\n  2\nthree\n"
     assert styled.difference == ("-two", "+  2", "+  2")
+
+
+def test_what_is_suggested_does_not_depend_on_the_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    began, clock = time.monotonic(), time.monotonic
+    monkeypatch.setattr(suggest, "SECONDS", 10.0)
+    monkeypatch.setattr(time, "monotonic", lambda: began + 100 * (clock() - began))
+
+    def read(path: str) -> SourceFile:
+        return SourceFile(name=path, text=DINING[Path(path).name])
+
+    question = pipeline.proof_obligations(read("deadlock.csp"), read)
+    answer = Verifier(question, read).answer(question.questions[0], Limits(1e6))
+    assert answer.suggestions
+    assert [suggestion.proved_with for suggestion in answer.suggestions] == [None] * len(answer.suggestions)

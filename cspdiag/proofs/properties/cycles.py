@@ -142,7 +142,7 @@ def _is_excluded_outside(system: System, events: set[int], limits: Limits) -> bo
     """Whether the smallest equivalent system, with these events hidden, has no internal loop."""
     kept = set(range(len(system.events))) - events
     try:
-        reduced = seen_from_outside(system, kept, Limits(limits.remaining / 2, limits.memory))
+        reduced = seen_from_outside(system, kept, limits.part(limits.remaining / 2))
     except LimitError:
         return False
     return reduced is not None and not can_livelock(reduced)

@@ -117,7 +117,7 @@ def _of_outside(
     """The answer for a smaller system that is equivalent as seen from outside; its trace is not a trace of the system
     itself. None if that system is too large or its answer undecided.
     """
-    share = Limits(limits.remaining / 2, limits.memory)
+    share = limits.part(limits.remaining / 2)
     kept = [number for number, event in enumerate(system.events) if labels.of(event) is not None]
     try:
         small = seen_from_outside(system, kept, share)

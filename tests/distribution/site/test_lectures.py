@@ -30,6 +30,24 @@ def test_pictures_of_lectures_are_made_by_their_commands(page: Path) -> None:
     assert [picture for picture in shown if f" {picture}\n" not in run] == []
 
 
+@pytest.mark.parametrize("page", LECTURES, ids=lambda page: page.stem)
+def test_readers_have_every_file_that_a_command_of_a_lecture_reads(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert "top folder" in text
+    for block in re.finditer(r"^```sh\n(.*?)^```$|`(cspdiag [^`]*)`", text, re.MULTILINE | re.DOTALL):
+        commands, before = block[1] or block[2], text[: block.start()]
+        for name in re.findall(r"\S+\.csp(?= |$)", commands, re.MULTILINE):
+            said = f"Save it as `{name}`" in before
+            written = re.search(rf"> {re.escape(name)}$", before + commands, re.MULTILINE)
+            assert (ROOT / name).exists() or said or written, f"nobody has {name}"
+
+
+@pytest.mark.parametrize("page", LECTURES, ids=lambda page: page.stem)
+def test_programs_of_lectures_are_saved_under_the_name_that_is_said(page: Path) -> None:
+    said = re.findall(r"Save it as `([^`]*)`", page.read_text(encoding="utf-8"))
+    assert said == list(lecture(page.stem))
+
+
 def test_the_repaired_table_is_what_the_tool_suggests() -> None:
     files = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "models/dining").glob("*.csp")}
     (deadlock, _) = answers_to(files, "deadlock.csp")

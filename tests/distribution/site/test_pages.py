@@ -12,7 +12,7 @@ from distribution.site.links import complaints
 from distribution.site.markdown import Page, converted
 from distribution.site.pictures import dark, light
 from distribution.site.playground import program_in
-from distribution.site.shell import CommandError, Shell
+from distribution.site.shell import CommandError, Shell, without_times
 from distribution.site.stage import Site
 
 ROOT = Path(__file__).parents[3]
@@ -100,6 +100,18 @@ def test_commands_are_run_and_their_pictures_shown(tmp_path: Path, site: Site) -
     assert re.search(r"!\[A picture\]\(\.\./pictures/b-\w+\.svg\)", made)
     with pytest.raises(CommandError, match=r"`cspdiag check a\.csp --wrong` ended with exit code 2"):
         converted(page, "<!-- run -->\n```sh\ncspdiag check a.csp --wrong\n```\n", site.resolve, site.show)
+
+
+def test_pages_do_not_say_how_long_the_machine_that_made_them_took() -> None:
+    printed = (
+        "REFUTED  Table deadlock free  (sat, 11.45 s)\n2 properties: 1 proved, 1 refuted in 11.46 s\n"
+        "Table: ended by itself at 210 ms\n  simulated 210 ms in 0.00869 s, 24.2 times real time\n"
+        "  fork[0] until 190 ms\n"
+    )
+    assert without_times(printed) == (
+        "REFUTED  Table deadlock free  (sat)\n2 properties: 1 proved, 1 refuted\n"
+        "Table: ended by itself at 210 ms\n  simulated 210 ms\n  fork[0] until 190 ms\n"
+    )
 
 
 def test_diagrams_and_plots_are_dark_on_dark_pages() -> None:
