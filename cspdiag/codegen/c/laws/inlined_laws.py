@@ -101,7 +101,7 @@ class _Run:
             following += self._writer(late).assign(self.printer.signal(name), value, self._state_place(name))
         functions: list[Statement] = []
         if action.derivatives:
-            integration = self._integration()
+            integration = self._integration
             last += self._integration_statements(integration, following)
             functions = integration.function(self._slopes_printer(integration), self._slopes_writer(integration))
         else:
@@ -119,10 +119,12 @@ class _Run:
         return self.printer.signal(name)
 
     def _unread(self) -> frozenset[str]:
+        """What derivatives need and compute themselves in every sub-step is not read."""
         action = self.action
-        used = [part for equation in action.equations for part in values(equation)]
-        read = signals((used, action.next_values, action.derivatives, action.derivative_equations))
-        return frozenset(name for name, _ in run_law_signals(action)) - set(read)
+        read = {*signals((*(values(equation) for equation in action.equations), action.next_values))}
+        if action.derivatives:
+            read.update(self._integration.held)
+        return frozenset(name for name, _ in run_law_signals(action)) - read
 
     def _writer(self, printer: Printer) -> EquationWriter:
         return EquationWriter(printer, self.place, self.check, self.printer.signal, body_name)
@@ -139,6 +141,7 @@ class _Run:
         late = read_after_change(self.action.next_values)
         return [name for name, _ in self.action.next_values if name in late]
 
+    @cached_property
     def _integration(self) -> Integration:
         action = self.action
         states = tuple(name for name, _ in action.derivatives)
