@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, Target
+from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target
 from cspdiag.codegen.c.process.struct.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import CHANGES, EQUALITY, Code, infix, own
-from cspdiag.codegen.c.text.statements import Remark, Statement, choose, store
+from cspdiag.codegen.c.text.code import CHANGES, EQUALITY, Code, code, ignored, infix, own
+from cspdiag.codegen.c.text.statements import Remark, Statement, choose, run, store
 from cspdiag.codegen.shared.laws.following import following_apart, is_looked_up
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import RunLaw
@@ -42,14 +42,29 @@ class KeptValues:
         def lvalue(name: str) -> Target:
             return self.members[name] if name in self.members else target(name)
 
+        def unread(equations: Sequence[SubmodelEquation]) -> list[Statement]:
+            targets = (lvalue(item.name) for item in equations if item.name not in self._read)
+            return [run(ignored(code(found.name))) for found in targets if isinstance(found, LocalVariable)]
+
         return [
             *writer.equations(self.looked_up, target),
+            *unread(self.looked_up),
             Remark("What follows from parameters, again after a change of one."),
             *choose(
                 infix("!=", EQUALITY, self.changes, CHANGES),
-                [*writer.equations(self.equations, lvalue), store(self.changes, CHANGES)],
+                [
+                    *writer.equations(self.equations, lvalue),
+                    *unread(self.equations),
+                    store(self.changes, CHANGES),
+                ],
             ),
         ]
+
+    @property
+    def _read(self) -> set[str]:
+        """The signals that are read at all; others are computed because that can fault."""
+        values = (item.value for item in (*self.looked_up, *self.equations))
+        return {part.name for item in (self.law, *values) for part in parts(item) if isinstance(part, SignalValue)}
 
 
 def kept_values(writer: Writer, step: RunLaw) -> KeptValues | None:
