@@ -13,6 +13,7 @@ from cspdiag.arguments import (
     Values,
     changes_of,
     definition_to_draw,
+    execution_time,
     labels_to_hide,
     measured_times,
     require_names,
@@ -261,16 +262,19 @@ class LoadedProgram:
         top: str | None = None,
         set: Mapping[str, Setting] | None = None,
         measured: Mapping[str, float] | None = None,
+        kernel: float = 0,
     ) -> TimingReport:
         """Response times, latencies and advice for the sampled loops, as ``cspdiag verify --timing`` shows them.
 
-        ``measured`` has execution times of laws in seconds by path, which replace stated ones. Raises the exceptions of
-        ``build``, and ArgumentError for an unknown path or a negative time.
+        ``measured`` has execution times of laws in seconds by path, which replace stated ones, and ``kernel`` is the
+        measured time of the kernel at an instant, as ``kernelTime``. Raises the exceptions of ``build``, and
+        ArgumentError for an unknown path or a negative time.
         """
         from cspdiag.analyses.timing.report.timing import timing_report
 
         network = self.build(top=top, set=set)
-        return timing_report(network, measured_times(network, measured))
+        times = measured_times(network, measured)
+        return timing_report(network, times, kernel=execution_time("kernel", kernel))
 
     def margins(
         self,

@@ -187,12 +187,19 @@ def measured_times(network: Network, measured: Mapping[str, float] | None) -> di
         return {}
     require_mapping("measured", measured)
     paths = {instance.path for instance in network.instances}
-    for path, seconds in measured.items():
+    for path in measured:
         if path not in paths:
             raise ArgumentError(f"measured: `{network.top}` has no law or process `{path}`{suggestion(path, paths)}")
-        if not 0 <= number_of(f"the time of `{path}`", seconds) < 1e9:
-            raise ArgumentError(f"measured: the time of `{path}` is a number of seconds, not {shown(seconds)}")
-    return {path: round(float(seconds) * 1e9) for path, seconds in measured.items()}
+    return {path: execution_time(f"measured: the time of `{path}`", seconds) for path, seconds in measured.items()}
+
+
+def execution_time(what: str, seconds: float) -> int:
+    """An execution time in nanoseconds. Raises TypeError for a value that is not a number, ArgumentError for an
+    impossible time.
+    """
+    if not 0 <= number_of(what, seconds) < 1e9:
+        raise ArgumentError(f"{what} is a number of seconds, not {shown(seconds)}")
+    return round(float(seconds) * 1e9)
 
 
 def require_states(environment: Environment, point: Mapping[str, float]) -> None:

@@ -189,6 +189,9 @@ def test_timing_and_margins_are_objects() -> None:
     assert report.is_schedulable is True
     slow = program.timing(measured={"Jiwy.vertical.homing.servo": 2e-3})
     assert slow.is_schedulable is None  # it may never reach homing
+    beside = program.timing(kernel=20e-6)
+    assert beside.kernel == 20_000
+    assert beside.utilization > report.utilization
     found = program.margins(set={"Tsh": "10 ms", "Tsv": "10 ms"})
     assert {loop.margins.is_stable for loop in found.loops if "servo" in loop.opened.cut.name} == {False}
 

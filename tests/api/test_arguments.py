@@ -74,6 +74,7 @@ NUMBERS: dict[str, Callable[[Any], object]] = {
     "value of a setting": lambda value: program.build(set={"T": value}),
     "time limit": lambda value: program.verify(time_limit=value),
     "measured time": lambda value: program.timing(measured={"Main": value}),
+    "time of the kernel": lambda value: program.timing(kernel=value),
     "scale": lambda value: drawing.save("unwritten.png", scale=value),
     "depth": lambda value: program.draw(depth=value),
 }

@@ -112,6 +112,7 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
     ("state nan", lambda: program().margins(at={"pan.speed": math.nan}), ValueError, "finite.* not nan"),
     ("state that is infinite", lambda: program().margins(at={"pan.speed": math.inf}), ValueError, "finite.* not inf"),
     ("limit that no timer has", lambda: program().verify(time_limit=1e300), ValueError, "up to 1e.06, not 1e.300"),
+    ("kernel", lambda: program().timing(kernel=-1e-6), ValueError, "kernel is a number of seconds, not -1e-06"),
     ("measured for ages", lambda: program().timing(measured={"Jiwy.vertical.homing.servo": 1e300}), ValueError,
      "not 1e.300"),
     ("public name", lambda: program().run(until=0.01)["control"], KeyError, "no signal 'control'; there are: joystick"),

@@ -101,7 +101,8 @@ class TimingReport:
     where the present one is not. ``is_edf_feasible`` says whether earliest deadline first would meet them, None where
     that is not known. ``tasks`` are the tasks that were analysed. ``are_all_chains`` is False if there are too many
     chains to follow. ``witness`` is a late sample, if one is known; ``is_overloaded`` means that there is certainly
-    more work than time. ``kernel`` is the measured time of the kernel at an instant, in nanoseconds.
+    more work than time. ``kernel`` is the measured time of the kernel at an instant, in nanoseconds, and
+    ``kernel_ticks`` its work at ticks of ports, steps of environments and polls.
     """
 
     process: str
@@ -119,6 +120,7 @@ class TimingReport:
     witness: Witness | None = None
     is_overloaded: bool = False
     kernel: int = 0
+    kernel_ticks: tuple[Task, ...] = ()
 
     @property
     def is_schedulable(self) -> bool | None:

@@ -1,8 +1,12 @@
-"""One hyperperiod as a Gantt chart in SVG: a row for each thread, a bar for each step, an arrow for each release."""
+"""One hyperperiod as a Gantt chart in SVG: a row for each thread and one for the kernel, a bar for each step, an arrow
+for each release.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import count
+from math import lcm
 from xml.sax.saxutils import escape
 
 from cspdiag.analyses.timing.report.render_text import time
@@ -41,25 +45,29 @@ class _Bar:
 def gantt_svg(report: TimingReport) -> str:
     """The chart of all recurring work, with all periods beginning together and every job taking its longest time.
 
-    If a hyperperiod has more steps than can be distinguished, only its beginning is shown.
+    If a hyperperiod has more steps than can be distinguished, only its beginning is shown. The kernel's work is that at
+    ticks: ends of delays and time-outs are too rare to be drawn with them.
     """
     tasks = [task for task in report.tasks if task.period < ONCE and task.work]
     if not tasks:
         return _document(_LEAST_WIDTH, 120, ['<text x="24" y="60" class="name">nothing recurs that takes time</text>'])
     tasks.sort(key=lambda task: (task.priority, task.period))
+    rows = [*([report.kernel_ticks] if report.kernel_ticks else []), *((task,) for task in tasks)]
+    tasks = [task for row in rows for task in row]
     limit = None
-    steps = sum(max(1, -(-task.work // task.step)) * (report.hyperperiod // task.period) for task in tasks)
+    hyperperiod = lcm(*(task.period for task in tasks))
+    steps = sum(max(1, -(-task.work // task.step)) * (hyperperiod // task.period) for task in tasks)
     if steps > _LARGEST_NUMBER_OF_BARS:
         limit = max(task.period for task in tasks)
     schedule = simulate(tasks, limit=limit)
-    left = _MARGIN + round(max(_text_width(_shown_name(task), 12) for task in tasks)) + 14
+    left = _MARGIN + round(max(_text_width(_shown(_row_name(row)), 12) for row in rows)) + 14
     releases = [schedule.length // task.period for task in tasks]
     most = max((count for count in releases if count * _STROKE <= _LARGEST_CHART), default=0)
     chart = min(max(_LEAST_CHART, _SPACE * most), _LARGEST_CHART)
     title = _title(report, schedule)
     width = max(_LEAST_WIDTH, left + chart + _MARGIN, 2 * _MARGIN + round(_text_width(title, 14)))
-    height = _TOP + len(tasks) * _ROW + 44
-    return _document(width, height, list(_chart(title, tasks, schedule, left, width)))
+    height = _TOP + len(rows) * _ROW + 44
+    return _document(width, height, list(_chart(title, rows, schedule, left, width)))
 
 
 def _title(report: TimingReport, schedule: Schedule) -> str:
@@ -67,29 +75,31 @@ def _title(report: TimingReport, schedule: Schedule) -> str:
     return f"{report.process}: {what} of {time(schedule.hyperperiod)}, every step at its longest"
 
 
-def _chart(title: str, tasks: Sequence[Task], schedule: Schedule, left: int, width: int) -> Iterator[str]:
+def _chart(title: str, rows: Sequence[Sequence[Task]], schedule: Schedule, left: int, width: int) -> Iterator[str]:
     right = width - _MARGIN
     scale = (right - left) / schedule.length
-    bottom = _TOP + len(tasks) * _ROW
+    bottom = _TOP + len(rows) * _ROW
     yield f'<text x="{_MARGIN}" y="26" class="title">{escape(title)}</text>'
     for instant in _ticks(schedule.length, max(7, (right - left) // 90)):
         x = left + instant * scale
         yield f'<line x1="{x:.2f}" y1="{_TOP - 8}" x2="{x:.2f}" y2="{bottom}" class="grid"/>'
         yield f'<text x="{x:.2f}" y="{bottom + 18}" class="tick">{time(instant)}</text>'
     notes = ["arrows: releases; within a priority level first come, first served"]
-    for row, task in enumerate(tasks):
+    numbers = count()
+    for row, tasks in enumerate(rows):
         y = _TOP + row * _ROW
-        yield f'<text x="{_MARGIN}" y="{y + 19}" class="name">{_titled(_shown_name(task), _name(task))}</text>'
+        yield f'<text x="{_MARGIN}" y="{y + 19}" class="name">{_titled(_row_name(tasks))}</text>'
         yield f'<line x1="{left}" y1="{y + 26}" x2="{right}" y2="{y + 26}" class="base"/>'
-        if task.period * scale < _STROKE:
+        if any(task.period * scale < _STROKE for task in tasks):
             notes.append("grey bands: releases that are too many to be drawn")
             yield f'<rect x="{left}" y="{y + 26}" width="{right - left}" height="3" class="many"/>'
-        else:
-            yield from _releases(task, schedule.length, left, y + 26, scale)
-        for bar in sorted(_bars(schedule, row, task, scale), key=lambda bar: bar.is_late):
-            if bar.is_late:
-                notes.append("red and taller: ends after the next release")
-            yield _drawn(bar, task, _COLOURS[row % len(_COLOURS)], left, y, scale)
+        for task in tasks:
+            if task.period * scale >= _STROKE:
+                yield from _releases(task, schedule.length, left, y + 26, scale)
+            for bar in sorted(_bars(schedule, next(numbers), task, scale), key=lambda bar: bar.is_late):
+                if bar.is_late:
+                    notes.append("red and taller: ends after the next release")
+                yield _drawn(bar, task, _COLOURS[row % len(_COLOURS)], left, y, scale)
     yield f'<text x="{_MARGIN}" y="{bottom + 38}" class="note">{"; ".join(dict.fromkeys(notes))}</text>'
 
 
@@ -99,11 +109,11 @@ def _releases(task: Task, length: int, left: int, base: int, scale: float) -> It
         yield f'<path d="M{left + k * task.period * scale:.2f} {base} v-24{head}" class="release"/>'
 
 
-def _bars(schedule: Schedule, row: int, task: Task, scale: float) -> list[_Bar]:
+def _bars(schedule: Schedule, number: int, task: Task, scale: float) -> list[_Bar]:
     """What a task runs, where steps that could not be distinguished are one."""
     bars: list[_Bar] = []
     for part in schedule.slices:
-        if part.task != row or part.start >= schedule.length:
+        if part.task != number or part.start >= schedule.length:
             continue
         is_late = part.is_last and part.end - part.release > task.deadline
         bar = _Bar(part.start, min(part.end, schedule.length), part.release, is_late)
@@ -142,16 +152,21 @@ def _name(task: Task) -> str:
     return f"{path} @ {time(task.period)}"
 
 
-def _shown_name(task: Task) -> str:
+def _row_name(tasks: Sequence[Task]) -> str:
+    """The name of a row; the work of the kernel may have several periods."""
+    return _name(tasks[0]) if len(tasks) == 1 else tasks[0].name
+
+
+def _shown(name: str) -> str:
     """The name, cut in the middle where it would take the room of the chart."""
-    name = _name(task)
     if len(name) <= _LONGEST_NAME:
         return name
     half = _LONGEST_NAME // 2
     return f"{name[: half - 1]}…{name[-half:]}"
 
 
-def _titled(shown: str, whole: str) -> str:
+def _titled(whole: str) -> str:
+    shown = _shown(whole)
     return escape(shown) if shown == whole else f"{escape(shown)}<title>{escape(whole)}</title>"
 
 

@@ -57,7 +57,8 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
     order = {path: k for k, path in enumerate(threads.instances)}
     missing = tuple(sorted(threads.missing.values(), key=lambda part: order[part.leaf]))
     # Unknown times would count as zero, and the other figures would mislead.
-    outside = kernel_tasks(network, kernel, threads.channel_ends.constant, refusals)
+    of_kernel = kernel_tasks(network, kernel, threads.channel_ends.constant, refusals)
+    outside = of_kernel.all
     analysis = _analysis(network, all_threads, behaviours, refusals, outside, are_loops_known=not (missing or shifted))
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
@@ -87,6 +88,7 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
         find_witness(all_threads, behaviours, inputs) if is_late and not shifted else None,
         overloaded,
         kernel,
+        of_kernel.ticks,
     )
 
 

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.task import Task, last_in_time
+from cspdiag.base.record import record
 from cspdiag.network.ir.actions import AfterEvent, WaitStep
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass
@@ -22,14 +23,27 @@ Constant: TypeAlias = Callable[[str, Expression], object]
 """The value of an expression in the process of this path, if it is constant, else None."""
 
 
-def kernel_tasks(network: CoreNetwork, longest: int, constant: Constant, refusals: list[Refusal]) -> tuple[Task, ...]:
+@record
+class KernelTasks:
+    """The work of the kernel at ``ticks`` of ports, steps and polls, and where delays and time-outs end."""
+
+    ticks: tuple[Task, ...] = ()
+    ends: tuple[Task, ...] = ()
+
+    @property
+    def all(self) -> tuple[Task, ...]:
+        """All tasks."""
+        return (*self.ticks, *self.ends)
+
+
+def kernel_tasks(network: CoreNetwork, longest: int, constant: Constant, refusals: list[Refusal]) -> KernelTasks:
     """The work of the kernel, at most ``longest`` nanoseconds at each instant: the ticks of ports; and, if there are
     event inputs, the steps of environments, where events come, and the instants at which devices are polled for them;
     and the ends of delays and time-outs, which at one place are at least as far apart as they last. Other instants are
     refused.
     """
     if not longest:
-        return ()
+        return KernelTasks()
     if _has_events(network) and not network.environments:
         port = next(port for port in network.external_ports if port.medium == "event")
         reason = "no environment says how often its events come, so the kernel's time for them is not bounded"
@@ -45,8 +59,14 @@ def kernel_tasks(network: CoreNetwork, longest: int, constant: Constant, refusal
         for period, offset in sorted(ticks)
         if not any(_is_among((period, offset), other) for other in ticks - {(period, offset)})
     ]
-    periods += _durations(network, constant, refusals)
-    return tuple(Task("kernel", period, longest, last_in_time(period), _MOST_URGENT) for period in periods)
+    return KernelTasks(
+        tuple(_task(period, longest) for period in periods),
+        tuple(_task(period, longest) for period in _durations(network, constant, refusals)),
+    )
+
+
+def _task(period: int, longest: int) -> Task:
+    return Task("kernel", period, longest, last_in_time(period), _MOST_URGENT)
 
 
 def _is_among(ticks: tuple[int, int], others: tuple[int, int]) -> bool:

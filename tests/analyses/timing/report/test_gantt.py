@@ -9,8 +9,9 @@ from xml.etree.ElementTree import Element, fromstring
 import pytest
 
 from cspdiag.analyses.timing.report.gantt import gantt_svg
+from cspdiag.analyses.timing.report.timing import timing_report
 from cspdiag.draw.scene.text_metrics import text_width
-from tests.analyses.timing.programs import report_of
+from tests.analyses.timing.programs import network_of, report_of
 
 TINY = """
 submodel Tiny wcet 3 ns { in x : double  out y : double  y = x }
@@ -138,3 +139,21 @@ def test_a_name_that_is_cut_is_whole_in_its_tooltip() -> None:
     assert "…" in (first.text or "")
     name = "WWWW_controller_of_the_chassis_and_everything_that_is_connected_to_it[0] @ 1 ms"
     assert first.findtext(f"{SVG}title") == name
+
+
+def test_the_work_of_the_kernel_at_ticks_is_a_row() -> None:
+    report = timing_report(network_of(TINY), kernel=1_000_000)
+    drawn = fromstring(gantt_svg(report))
+    names = [name.text for name in texts(drawn, "name")]
+    assert names[0] == "kernel @ 50 ms"
+    tips = [bar.findtext(f"{SVG}title") or "" for bar in bars(drawn)]
+    assert tips[0] == "kernel @ 50 ms: 0 to 1 ms, released at 0"
+    assert any(tip.startswith("tiny @ 50 ms: 1 ms to") for tip in tips), "the kernel comes before all processes"
+
+
+def test_the_work_of_the_kernel_has_one_row_for_all_periods() -> None:
+    text = TINY.replace("@ 50 ms", "@ 3 ms").replace("@ 10 s", "@ 7 ms").replace("@ 1 s", "@ 6 ms")
+    drawn = fromstring(gantt_svg(timing_report(network_of(text), kernel=1000)))
+    assert texts(drawn, "name")[0].text == "kernel"
+    tips = [bar.findtext(f"{SVG}title") or "" for bar in bars(drawn)]
+    assert {tip.partition(":")[0] for tip in tips if tip.startswith("kernel")} == {"kernel @ 3 ms", "kernel @ 7 ms"}

@@ -36,7 +36,7 @@ def periods(network: Network) -> list[int]:
     refusals: list[Refusal] = []
     found = kernel_tasks(network, 10_000, Threads(network, {}).channel_ends.constant, refusals)
     assert not refusals
-    return [task.period // 1_000_000 for task in found]
+    return [task.period // 1_000_000 for task in found.all]
 
 
 def test_instants_that_are_ticks_of_shorter_periods_count_once() -> None:
