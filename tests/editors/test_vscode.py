@@ -15,10 +15,10 @@ from typing import Any
 import pytest
 
 import cspdiag
-from cspdiag.base.report import Report
+from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.draw.scene.shapes import Ink
-from cspdiag.syntax.on_demand import parsed
+from cspdiag.pipeline import check
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "editors" / "vscode"
@@ -92,23 +92,70 @@ def filled(body: str | list[str]) -> str:
     return re.sub(r"\$(\d+)", lambda place: proposed.get(place[1], ""), text)
 
 
+PROPOSED = {
+    "process": "submodel Law { in input : double out output : double output = input }",
+    "environment": """process Process {
+  in position : double
+  out force : double
+  communication { var x : double }
+  composition { mu (position ? x ; force ! x) }
+}
+submodel Plant { in force : double out position : double position = force }""",
+    "assertion": "process Process { composition { skip } }",
+    "refinement": "process Process { composition { skip } } process Specification { composition { skip } }",
+}
+"""What the proposed texts of snippets name."""
+
+
 @pytest.mark.parametrize("name", json.loads((FOLDER / "snippets" / "csp.json").read_text()))
-def test_a_snippet_is_a_program_with_the_proposed_texts(name: str) -> None:
+def test_a_snippet_is_right_with_the_proposed_texts(name: str) -> None:
     text = filled(json.loads((FOLDER / "snippets" / "csp.json").read_text())[name]["body"])
-    report = Report()
-    parsed(SourceFile(name="snippet.csp", text=text), report)
-    assert [found.message for found in report.diagnostics] == []
+    program = SourceFile(name="snippet.csp", text=f"{text}\n{PROPOSED.get(name, '')}")
+    report = check(program, read_source).report
+    assert [found.message for found in report.diagnostics if found.severity == "error"] == []
 
 
-def test_the_problem_matcher_reads_what_check_prints(tmp_path: Path) -> None:
-    (tmp_path / "my slip.csp").write_text("const period = 1 ms\nconst slow = 10 * peroid\n")
-    command = [sys.executable, "-m", "cspdiag", "check", "--format", "concise", "my slip.csp"]
-    printed = subprocess.run(command, cwd=tmp_path, stdout=PIPE, stderr=STDOUT, text=True).stdout
-    (pattern,) = manifest()["contributes"]["problemPatterns"]
-    found = re.search(pattern["regexp"], printed, re.MULTILINE)
-    assert found is not None, printed
-    parts = [found[pattern[part]] for part in ("file", "line", "column", "severity", "code", "message")]
-    assert parts == ["my slip.csp", "2", "19", "error", "E0204", "there is no value `peroid`"]
+def matched(line: str) -> list[tuple[str, list[str]]]:
+    """What the problem matchers take from a line, by the names of those that take it."""
+    found: list[tuple[str, list[str]]] = []
+    for pattern in manifest()["contributes"]["problemPatterns"]:
+        match = re.search(pattern["regexp"], line)
+        if match is not None:
+            parts = ("file", "line", "column", "severity", "code", "message")
+            found.append((pattern["name"], [match[pattern[part]] for part in parts]))
+    return found
+
+
+def test_the_problem_matchers_read_what_check_prints(tmp_path: Path) -> None:
+    place = tmp_path / "my slip.csp"
+    place.write_text("const period = 1 ms\nconst slow = 10 * peroid\n")
+    for name, matcher in (("my slip.csp", "cspdiag"), (str(place), "cspdiag-absolute")):
+        command = [sys.executable, "-m", "cspdiag", "check", "--format", "concise", name]
+        printed = subprocess.run(command, cwd=tmp_path, stdout=PIPE, stderr=STDOUT, text=True).stdout
+        values = [name, "2", "19", "error", "E0204", "there is no value `peroid`"]
+        assert [found for line in printed.splitlines() for found in matched(line)] == [(matcher, values)]
+
+
+def test_each_form_of_a_path_belongs_to_one_problem_matcher() -> None:
+    forms = {
+        "cspdiag": ["a.csp", "../b c/a.csp", r"lib\a.csp"],
+        "cspdiag-absolute": ["/x/a.csp", r"C:\x\a.csp", "D:/x/a.csp"],
+    }
+    for matcher, names in forms.items():
+        for name in names:
+            assert [(by, parts[0]) for by, parts in matched(f"{name}:1:2: error[E0204] a: b")] == [(matcher, name)]
+
+
+def test_no_problem_matcher_asks_for_files() -> None:
+    """VS Code drops the problems of the last file if the task ends before a matcher knows where the file is."""
+    matchers = manifest()["contributes"]["problemMatchers"]
+    assert [each["fileLocation"] for each in matchers] == [["relative", "${workspaceFolder}"], "absolute"]
+
+
+def test_problems_of_tasks_leave_those_of_the_server_alone() -> None:
+    """Both are kept under one name, as the language client takes its own for that."""
+    matchers = manifest()["contributes"]["problemMatchers"]
+    assert {(each["owner"], each["applyTo"]) for each in matchers} == {("cspdiag", "closedDocuments")}
 
 
 def test_a_snippet_is_filled_with_its_first_choice() -> None:

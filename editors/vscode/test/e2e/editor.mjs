@@ -47,6 +47,7 @@ export class Editor {
     mkdirSync(editor.folder, { recursive: true });
     for (const [name, content] of Object.entries(files)) {
       const place = path.join(editor.folder, name);
+      mkdirSync(path.dirname(place), { recursive: true });
       if (typeof content === "string" || Buffer.isBuffer(content)) {
         writeFileSync(place, content);
       } else {

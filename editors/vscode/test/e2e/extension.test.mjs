@@ -69,6 +69,8 @@ function step(name, act) {
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
   const files = { "slip.csp": SLIP, "half.csp": HALF, "only.csp": HALF.slice(HALF.indexOf("process Bad")), "crossed.csp": CROSSED, "fault.csp": FAULT, "count.csp": COUNT, "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const task = { label: "say", type: "shell", command: "cat said.txt", problemMatcher: ["$cspdiag", "$cspdiag-absolute"], presentation: { reveal: "never" }, group: { kind: "build", isDefault: true } };
+  files[".vscode/tasks.json"] = JSON.stringify({ version: "2.0.0", tasks: [task] });
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
   editor = await Editor.start({ files, folder: "my project #1" });
 });
@@ -82,6 +84,20 @@ step("a mistake is shown as a diagnostic", async () => {
   await editor.command("View: Toggle Problems");
   await editor.page.locator(".markers-panel", { hasText: "there is no value `peroid`" }).waitFor();
   await editor.screenshot("slip");
+});
+
+step("the problems of a task are shown, also of the last file, beside those of the server", async () => {
+  const files = ["slip.csp", "first.csp", "second.csp", path.join(editor.folder, "third.csp")];
+  editor.program("said.txt", files.map((file) => `${file}:1:1: error[E0204] of the task\n`).join(""));
+  const badge = editor.page.locator(".panel .action-item", { hasText: "Problems" }).locator(".badge", { hasText: "4" });
+  await editor.until(async () => {
+    await editor.page.keyboard.press("Control+Shift+b"); // Tasks are known some time after the editor is there.
+    await new Promise((resolve) => setTimeout(resolve, 2_000));
+    return (await badge.count()) > 0;
+  });
+  await editor.page.locator(".squiggly-error").first().waitFor();
+  await editor.command("View: Toggle Problems");
+  await editor.page.locator(".markers-panel", { hasText: "there is no value `peroid`" }).waitFor();
 });
 
 step("the diagram is beside the text, and lit where the cursor is", async () => {
