@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from pathlib import PurePath
 
 from cspdiag.base import Diagnostic
 from cspdiag.base.record import record
 from cspdiag.draw.elements.marks import Mark, MarkKind
+from cspdiag.draw.elements.texts import place_in_file
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.shapes import Anchor, Box, Face, Group, Ink, Item, Text, TextRun
 from cspdiag.draw.scene.text_metrics import ASCENT, line_height, runs_width, text_width
@@ -143,15 +143,13 @@ class Note:
 
 
 def messages(diagnostics: Iterable[tuple[int, Diagnostic]], width: float) -> Group:
-    """The numbered messages, one below the other, from the origin down; files are named without their folders, which
-    are not the same everywhere.
-    """
+    """The numbered messages, one below the other, from the origin down."""
     rows = [
         Note(
             Mark("error" if diagnostic.severity == "error" else "warning", (number,)),
             diagnostic.code,
             diagnostic.message,
-            f"{PurePath(diagnostic.span.file).name}:{diagnostic.span.line}",
+            place_in_file(diagnostic.span),
         )
         for number, diagnostic in diagnostics
     ]

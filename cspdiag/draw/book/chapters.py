@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
 from typing import TypeAlias
 
@@ -11,7 +10,7 @@ from cspdiag.base.record import record
 from cspdiag.draw.book.highlight import Piece, highlighted
 from cspdiag.draw.elements.communication import Drawn
 from cspdiag.draw.elements.diagram import FlowKind
-from cspdiag.draw.elements.texts import optional, written
+from cspdiag.draw.elements.texts import optional, place_in_file, written
 from cspdiag.draw.output.svg import embedded_svg
 from cspdiag.draw.pictures import PictureOptions, Pictures
 from cspdiag.draw.scene.scene_geometry import fitted
@@ -161,7 +160,7 @@ def _chapter(pictures: Pictures, definition: Described, links: Mapping[str, str]
         name=definition.name.text,
         section=_SECTIONS[type(definition)],
         doc=definition.doc or "",
-        place=f"{os.path.basename(definition.span.source.name)}:{definition.span.line}",
+        place=place_in_file(definition.span),
         parameters=_parameters(definition),
         ports=() if isinstance(definition, ast.EnvironmentDefinition) else _ports(pictures, definition),
         parts=tuple(name for name in _parts(definition) if name in links),

@@ -17,7 +17,9 @@ from cspdiag.draw.communication.tooltips import (
     box_tooltip,
     parent_port_tooltip,
     port_tooltip,
+    sink_tooltip,
     store_tooltip,
+    value_tooltip,
 )
 from cspdiag.draw.elements.diagram import (
     Arrow,
@@ -141,9 +143,14 @@ class _Drawing:
                     vertex.form, (*shapes, self._centred(name, place)), name, _with_note(store_tooltip(vertex), mark)
                 )
             case WrittenValue():
-                return Group("value", (self._beside(name, place, Anchor.END, mark),), name, _with_note("", mark))
+                return Group(
+                    "value",
+                    (self._beside(name, place, Anchor.END, mark),),
+                    name,
+                    _with_note(value_tooltip(vertex), mark),
+                )
             case Sink():
-                return Group("sink", symbols.sink(place, mark), name, _with_note("discarded", mark))
+                return Group("sink", symbols.sink(place, mark), name, _with_note(sink_tooltip(vertex), mark))
             case _:
                 assert_never(vertex)
 

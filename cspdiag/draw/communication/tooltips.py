@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from cspdiag.draw.elements.diagram import Arrow, Box, BoxPort, Element, FlowKind, ParentPort, Store
+from cspdiag.draw.elements.diagram import Arrow, Box, BoxPort, Element, FlowKind, ParentPort, Sink, Store, WrittenValue
+from cspdiag.draw.elements.texts import place_in_file
 from cspdiag.model.sampling import Sampling
 
 WORDS: dict[FlowKind, str] = {
@@ -90,6 +91,16 @@ def arrow_tooltip(arrow: Arrow) -> str:
     )
 
 
+def value_tooltip(value: WrittenValue) -> str:
+    """What the process itself writes."""
+    return _lines(f"writes {value.text}", _words(value.doc), _place(value))
+
+
+def sink_tooltip(sink: Sink) -> str:
+    """What takes values that nobody uses."""
+    return _lines("discarded", _place(sink))
+
+
 def _lines(*parts: str) -> str:
     return "\n".join(part for part in parts if part)
 
@@ -107,4 +118,4 @@ def _either(periods: Iterable[Sampling]) -> str:
 
 
 def _place(element: Element) -> str:
-    return str(element.spans[0]) if element.spans else ""
+    return place_in_file(element.spans[0]) if element.spans else ""

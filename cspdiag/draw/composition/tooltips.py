@@ -21,6 +21,7 @@ from cspdiag.draw.elements.composition import (
     Replication,
     Watched,
 )
+from cspdiag.draw.elements.texts import place_in_file
 
 _CHAINS: dict[tuple[Operator, bool], str] = {
     ("sequence", False): "sequential: one after the other",
@@ -38,7 +39,7 @@ def chain_words(operator: Operator, prioritized: bool) -> str:
 
 def step_tooltip(element: Part) -> str:
     """What an element is, its doc comment, and its place in the text."""
-    place = str(element.spans[0]) if element.spans else ""
+    place = place_in_file(element.spans[0]) if element.spans else ""
     return "\n".join(part for part in (_words(element), *_docs(element), place) if part)
 
 

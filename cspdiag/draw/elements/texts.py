@@ -1,7 +1,8 @@
-"""Pieces of the program text as diagrams show them: on one line, without comments."""
+"""Pieces of the program text as diagrams show them: on one line, without comments, and their places."""
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable
 
@@ -21,6 +22,11 @@ def written(node: ast.Node) -> str:
 def written_span(span: Span) -> str:
     """The text at a place."""
     return " ".join(_COMMENT.sub(" ", span.text).split())
+
+
+def place_in_file(span: Span) -> str:
+    """File and line without the folders, which are not the same everywhere."""
+    return f"{os.path.basename(span.file)}:{span.line}"
 
 
 def squeezed(text: str) -> str:
