@@ -1,5 +1,7 @@
 /** Lenses as short as the editor needs them. Nothing here knows VS Code, so that it can be tested alone. */
 
+import { sep } from "node:path";
+
 /** The longest title, in characters: the editor cuts lenses that are wider than it at their beginning. */
 const LONGEST = 48;
 
@@ -13,12 +15,13 @@ export function brief(title: string): { title: string; tooltip?: string } {
   return { title: `${words.slice(0, end > LONGEST / 2 ? end : undefined)}…`, tooltip: title };
 }
 
-/** How a run has ended, or why there was none: the first line of what it printed, without what the lens is at. `time` is
- * the setting for how long it runs. */
-export function outcome(output: string, environment: string, time: string): string {
-  const line = output.split("\n").find((each) => each.trim() !== "") ?? "ended without a word";
+/** How a run has ended, or why there was none: the first line of what it printed, without what the lens is at, the
+ * `folder` of the program included. `time` is the setting for how long it runs. */
+export function outcome(output: string, environment: string, time: string, folder: string): string {
+  const printed = output.split("\n").find((each) => each.trim() !== "") ?? "ended without a word";
+  const line = printed.replace(/^cspdiag: /, "").replaceAll(folder.endsWith(sep) ? folder : folder + sep, "");
   if ([`\`${time}\` is not a time`, `a run cannot last ${time}`].some((each) => line.includes(each))) {
-    return `The setting cspdiag.run.for: ${line.replace(/^cspdiag: /, "")}`;
+    return `The setting cspdiag.run.for: ${line}`;
   }
   const start = line.indexOf(` in ${environment}: `);
   return /^\w+$/.test(line.slice(0, Math.max(start, 0))) ? line.slice(start + ` in ${environment}: `.length) : line;

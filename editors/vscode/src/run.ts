@@ -55,6 +55,7 @@ export class Runs implements vscode.Disposable {
     }
     const text = document.getText();
     const time = vscode.workspace.getConfiguration("cspdiag").get("run.for", "20 s").replaceAll(" ", "");
+    const folder = path.dirname(uri.fsPath);
     const args = ["run", uri.fsPath, "--environment", environment, "--color", "never"];
     if (time !== "") {
       args.push("--for", time);
@@ -65,10 +66,10 @@ export class Runs implements vscode.Disposable {
     }
     const ended = await vscode.window.withProgress(
       { location: vscode.ProgressLocation.Notification, title: `Running ${environment}`, cancellable: true },
-      (_, token) => execute(cspdiag, args, path.dirname(uri.fsPath), token),
+      (_, token) => execute(cspdiag, args, folder, token),
     );
     this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
-    const said = ended.status === null ? "stopped" : outcome(ended.output, environment, time);
+    const said = ended.status === null ? "stopped" : outcome(ended.output, environment, time, folder);
     this.keep(uri, environment, { text, outcome: said });
     if (figure === undefined) {
       return;

@@ -86,7 +86,8 @@ export class Picture {
     });
   }
 
-  /** Shows a diagram in place of the one before; the keyboard stays where it was. Returns whether it could be read. */
+  /** Shows a diagram in place of the one before; the keyboard stays where it was, or at the first part if that is gone.
+   * Returns whether it could be read. */
   show(text: string, parts: Record<string, Part>): boolean {
     const read = safe(text);
     if (read === undefined) {
@@ -103,7 +104,7 @@ export class Picture {
       group?.setAttribute("aria-label", group.querySelector(":scope > title")?.textContent.replaceAll("\n", ", ") ?? id);
     }
     this.resize();
-    const again = focused === "" ? null : read.querySelector<SVGElement>(`#${CSS.escape(focused)}`);
+    const again = focused === "" ? null : read.querySelector<SVGElement>(`#${CSS.escape(focused)}`) ?? read.querySelector<SVGElement>("[tabindex]");
     again?.focus({ preventScroll: true });
     return true;
   }
