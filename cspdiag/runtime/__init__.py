@@ -57,7 +57,7 @@ from .compiled.numbered import numbered
 from .compiled.rendezvous import Alternated, Dedicated, Rendezvous
 from .compiled.routine import Inlined, Numbered, Part, Routine, Steps, end_group, start_group
 from .composition import Rounds, group, now, parallel, prioritized_parallel, stop, wait
-from .deadlock import DeadlockReport, WaitingProcess
+from .deadlock.reports import DeadlockReport, WaitingProcess
 from .kernel.durations import ms, nanoseconds, ns, s, seconds, us
 from .kernel.exceptions import (
     Cancelled,

@@ -17,7 +17,7 @@ from .advance.virtual_time import Ending, VirtualTime
 from .compiled.direct import DirectScheduler
 from .compiled.routine import Routine
 from .composition import end_all, task_for
-from .deadlock import report_deadlock
+from .deadlock.partners import report_deadlock
 from .kernel.clock import Clock, RealClock, VirtualClock
 from .kernel.durations import END_OF_TIME
 from .kernel.exceptions import EnvironmentFailure, RunFailed, text_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, assert_never
 
-from .deadlock import DeadlockReport
+from .deadlock.reports import DeadlockReport
 from .kernel.exceptions import Deadlock
 from .kernel.signals import exit_code_of
 from .real_time.jitter import Jitter

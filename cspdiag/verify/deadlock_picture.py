@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from cspdiag.base import Span
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.counterexamples.counterexample import Counterexample
-    from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
+    from cspdiag.runtime.deadlock.reports import DeadlockReport, WaitingProcess
 
 
 def deadlock_of(report: DeadlockReport, network: CoreNetwork) -> Deadlock:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from cspdiag.runtime.deadlock import report_deadlock
+from cspdiag.runtime.deadlock.partners import report_deadlock
 from cspdiag.runtime.kernel.scheduler import Task, present
 from cspdiag.simulate.record.recorder import Communication, Recorder
 

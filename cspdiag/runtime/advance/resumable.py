@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
-from ..deadlock import leaves, place_of_wait, words_of
+from ..deadlock.tasks import leaves, place_of_wait, words_of
 from ..kernel.clock import Clock, VirtualClock
 from ..kernel.observer import Observer
 from ..kernel.scheduler import Task

@@ -13,7 +13,7 @@ from cspdiag.simulate.deadlock.waiting import Offer, WaitingRecord
 from cspdiag.simulate.record.recorder import Recorder
 
 if TYPE_CHECKING:
-    from cspdiag.runtime.deadlock import DeadlockReport
+    from cspdiag.runtime.deadlock.reports import DeadlockReport
 
 
 def deadlock_report(
@@ -24,7 +24,8 @@ def deadlock_report(
 
     The partners of a process are those that may still be at the other side of what it waits for.
     """
-    from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess, find_cycle
+    from cspdiag.runtime.deadlock.partners import find_cycle
+    from cspdiag.runtime.deadlock.reports import DeadlockReport, WaitingProcess
 
     state = _Standstill(waiting, network, recorder)
     definitions = _definitions(network)

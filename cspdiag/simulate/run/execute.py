@@ -25,7 +25,7 @@ from cspdiag.simulate.run.probes import probe
 if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
     from cspdiag.runtime import Outcome
-    from cspdiag.runtime.deadlock import WaitingProcess
+    from cspdiag.runtime.deadlock.reports import WaitingProcess
     from cspdiag.runtime.outside.instants import Environment as PythonEnvironment
     from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.record.streamed.recording import Recording

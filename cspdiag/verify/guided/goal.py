@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from cspdiag.base.record import record
 from cspdiag.runtime.composition import Branches
-from cspdiag.runtime.deadlock import place_of_wait
+from cspdiag.runtime.deadlock.tasks import place_of_wait
 from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.verify.guided.script import Actor, Standing
 from cspdiag.verify.runs.names import belongs

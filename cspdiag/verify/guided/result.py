@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cspdiag.base.record import record
-from cspdiag.runtime.deadlock import DeadlockReport
+from cspdiag.runtime.deadlock.reports import DeadlockReport
 from cspdiag.verify.guided.script import Happened, Standing
 
 

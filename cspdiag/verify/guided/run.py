@@ -14,7 +14,7 @@ from typing import Any, Literal, NoReturn
 
 from cspdiag.proofs.verdict import LimitError
 from cspdiag.runtime.advance.stepwise import StepwiseRun
-from cspdiag.runtime.deadlock import report_deadlock
+from cspdiag.runtime.deadlock.partners import report_deadlock
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, RunEnded
 from cspdiag.runtime.kernel.party import Party

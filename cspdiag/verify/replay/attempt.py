@@ -15,7 +15,8 @@ from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import LimitError, Limits
 from cspdiag.runtime.advance.stepwise import StepwiseRun
-from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
+from cspdiag.runtime.deadlock.partners import report_deadlock
+from cspdiag.runtime.deadlock.reports import DeadlockReport
 from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, Timeout
 from cspdiag.runtime.kernel.policy import Option
 from cspdiag.runtime.kernel.scheduler import Task

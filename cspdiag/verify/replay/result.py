@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from cspdiag.base.record import EMPTY, record
-from cspdiag.runtime.deadlock import DeadlockReport
+from cspdiag.runtime.deadlock.reports import DeadlockReport
 from cspdiag.verify.guided.script import Actor, Happened, Standing
 from cspdiag.verify.replay.rest import Resting
 from cspdiag.verify.replay.rounds import Added

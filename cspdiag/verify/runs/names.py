@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
-from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
+from cspdiag.runtime.deadlock.reports import DeadlockReport, WaitingProcess
 from cspdiag.settings import SettingError, parse_duration
 from cspdiag.verify.runs.trace import TraceStep
 

@@ -13,7 +13,7 @@ from types import CodeType, FrameType
 from typing import Any
 
 from cspdiag.runtime.choice.interrupt import _Body
-from cspdiag.runtime.deadlock import channel_identity, channels_used_by, names_in_code
+from cspdiag.runtime.deadlock.tasks import channel_identity, channels_used_by, names_in_code
 from cspdiag.runtime.kernel.scheduler import Task
 
 _LEAVING = ("RETURN_", "RAISE_VARARGS", "RERAISE", "JUMP_FORWARD", "JUMP_BACKWARD")

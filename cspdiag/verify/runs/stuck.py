@@ -17,7 +17,7 @@ from cspdiag.network.ir.walk import parts
 from cspdiag.runtime.choice.guards import waits_of_guard
 from cspdiag.runtime.choice.interrupt import _Body
 from cspdiag.runtime.composition import Branches
-from cspdiag.runtime.deadlock import channel_identity, channels_used_by
+from cspdiag.runtime.deadlock.tasks import channel_identity, channels_used_by
 from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.verify.runs.reachable import reachable_channels
 from cspdiag.verify.runs.task_names import path_of

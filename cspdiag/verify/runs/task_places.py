@@ -6,7 +6,7 @@ import sys
 from types import CodeType, FrameType
 
 from cspdiag.runtime.advance.stepwise import StepwiseRun
-from cspdiag.runtime.deadlock import frames_of
+from cspdiag.runtime.deadlock.tasks import frames_of
 from cspdiag.runtime.kernel.places import is_of_runtime, source_line
 from cspdiag.runtime.kernel.scheduler import Task
 

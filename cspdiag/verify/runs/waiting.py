@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
-from cspdiag.runtime.deadlock import leaves, place_of_wait, words_of
+from cspdiag.runtime.deadlock.tasks import leaves, place_of_wait, words_of
 from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.verify.runs.names import UNFIT, fit, is_medium
 from cspdiag.verify.runs.task_names import TaskNames, path_of

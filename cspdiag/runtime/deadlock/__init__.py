@@ -1,0 +1,1 @@
+"""Deadlocks: which processes wait for which, and why nobody continues."""
