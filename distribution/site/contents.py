@@ -154,6 +154,7 @@ EXPLANATIONS = Section(
             _docs(
                 "explanations",
                 ("verification", "Proofs", "What is proved, how, and what is not."),
+                ("benchmarks", "Benchmarks", "How fast it is, what that is compared with, and what bounds it."),
                 ("scale", "Scale", "What each verb costs for 10 to 100,000 instances."),
             ),
         ),
