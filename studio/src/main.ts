@@ -251,7 +251,7 @@ async function begin(): Promise<void> {
     say(status, hello.engine === "machine" ? `On this machine · ${hello.version}` : `In this browser · ${hello.version}`);
     offer(hello.models);
     generate.offer(hello.targets ?? []);
-    run.able(hello.able ?? {});
+    run.able(hello.able ?? {}, hello.recordings ?? []);
     proofs.canCancel = hello.viewers !== undefined;
     if (hello.hand !== undefined) {
       showHand({ hand: hello.hand, viewers: hello.viewers ?? 1 });

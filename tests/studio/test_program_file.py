@@ -121,3 +121,40 @@ def test_a_program_with_an_fmu_beside_it_runs(tmp_path: Path, monkeypatch: pytes
     ]
     assert found["signals"]["level"]["v"] == shown == list(expected["level"])
     assert len(shown) > 20
+
+
+WATCH = """\
+import "../shared.csp"
+process Double {
+  in  value : double @ 10 ms
+  out level : double @ 10 ms safe 0.0
+  communication { var x : double = 0 }
+  composition { mu (value ? x ; level ! 2 * x) }
+}
+submodel Wave { out value : double  value = time / 1<s> }
+environment Bench for Double { wave : Wave  wave.value -> value  level -> _ }
+"""
+
+
+def test_a_recording_beside_the_program_gives_its_inputs(tmp_path: Path) -> None:
+    own = tmp_path / "own"
+    own.mkdir()
+    (tmp_path / "shared.csp").write_text("const nothing = 0\n")
+    (own / "watch.csp").write_text(WATCH)
+    run = ["run", str(own / "watch.csp"), "--for", "200 ms", "--quiet", "--record"]
+    assert main([*run, str(own / "bench.csv")]) == 0
+    # The program has changed since.
+    (own / "watch.csp").write_text(WATCH.replace("time / 1<s>", "7.0").replace("2 * x", "3 * x"))
+    talk = talk_about(own / "watch.csp")
+    hello = talk.ask("hello")
+    assert hello["recordings"] == ["own/bench.csv"]
+    program = hello["program"]
+    session = talk.ask("start", **program, inputs="own/bench.csv")["session"]
+    while talk.notifications == [] or talk.notifications[-1]["method"] != "ended":
+        talk.ask("step", session=session, by="instant")
+    assert talk.notifications[-1]["params"]["at"] == 200_000_000
+    frames = [each["params"]["signals"] for each in talk.notifications if each["method"] == "frame"]
+    values = [value for frame in frames for value in frame.get("level", {"v": []})["v"]]
+    assert values[:3] == [3 * 0.01, 3 * 0.02, 3 * 0.03]
+    assert "its own time" in talk.refused("start", **program, inputs="own/bench.csv", real_time=True)
+    assert "No such file" in talk.refused("start", **program, inputs="own/none.csv")

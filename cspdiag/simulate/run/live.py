@@ -18,6 +18,7 @@ from cspdiag.simulate.run.package import LoadedPackage
 
 if TYPE_CHECKING:
     from cspdiag.runtime.kernel.parameters import Change
+    from cspdiag.simulate.record.stored.inputs import RecordedInputs
 
 
 class LiveRecorder(Recorder):
@@ -57,7 +58,8 @@ class LiveRun:
     """A program in an environment, from time 0 on, until ``until`` (nanoseconds).
 
     In virtual time the trace is that of ``execute.simulate`` as long as nobody takes over an input. In ``real_time``
-    the clock runs from now on; its caller continues it often enough. Raises what ``simulate`` raises before a run.
+    the clock runs from now on; its caller continues it often enough. ``inputs`` are those that the program is given,
+    instead of what the environment computes. Raises what ``simulate`` raises before a run.
     """
 
     def __init__(
@@ -68,6 +70,7 @@ class LiveRun:
         until: int | None = None,
         *,
         real_time: bool = False,
+        inputs: RecordedInputs | None = None,
     ) -> None:
         self.network = network
         self.environment: Environment | None = chosen_environment(network, environment)
@@ -81,10 +84,15 @@ class LiveRun:
         try:
             running, plant = built(network, self.environment, self._package)
             drivers = {} if plant is None else plant.drivers
-            inputs = [port for port in network.external_ports if port.direction == "in"]
-            self._signals = {port.name: drivers[port.key] for port in inputs if type(drivers.get(port.key)) is Signal}
+            taken = [port for port in network.external_ports if port.direction == "in"]
+            self._signals = {port.name: drivers[port.key] for port in taken if type(drivers.get(port.key)) is Signal}
             self._sampled = [port for port in running.ports if isinstance(port, SampledInput)]
             self.parameters = running.parameters
+            if plant is not None and inputs is not None:
+                from cspdiag.simulate.record.stored.inputs import replace_environment
+
+                replace_environment(plant, inputs)
+                self.parameters.plan(inputs.parameter_changes)
             if plant is not None:
                 _let_hands_in(plant, self._hands)
             on_miss = self.environment.on_miss if self.environment is not None else "timeout"

@@ -110,7 +110,10 @@ class Engine:
             "targets": list(TARGETS),
             "models": models(),
         }
-        return found if self._file is None else {**found, "program": self._file.read()}
+        if self._file is None:
+            return found
+        program = self._file.read()
+        return {**found, "program": program, "recordings": self._file.recordings(program["main"])}
 
     def _check(self, params: Data) -> Data:
         from cspdiag.studio.engine.checking import check

@@ -46,6 +46,14 @@ class ProgramFile:
         named = {_name(path, outermost): text for path, text in texts.items()}
         return {"files": named, "main": _name(self._path, outermost)}
 
+    def recordings(self, main: str) -> list[str]:
+        """The recordings in its folder, by their names in the program whose main file is called ``main``."""
+        from cspdiag.simulate.record.stored.given import ENDINGS
+
+        folder = self.folder(main)
+        paths = [os.path.join(self.own_folder, name) for name in sorted(os.listdir(self.own_folder))]
+        return [_name(path, folder) for path in paths if path.endswith(ENDINGS) and os.path.isfile(path)]
+
     def folder(self, main: str) -> str:
         """The folder to which the names of a program are relative whose main file is called ``main``: if that is this
         file, the one in which it has that name.

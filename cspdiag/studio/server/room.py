@@ -7,6 +7,7 @@ is stopped, because nobody is at the stick.
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -19,6 +20,8 @@ QUESTIONS = frozenset({"hello", "check", "complete", "hover", "definition", "for
 WORK = frozenset({"verify", "timing", "compile", "run"})
 CONTROL = frozenset({"start", "play", "pause", "step", "input", "tune", "stop"})
 
+PATIENCE_TO_STOP = 3.0
+"""Seconds in which a program stops; after that, its engine is ended."""
 MOST_PENDING = 100
 """Requests of one viewer that may wait for their answers."""
 
@@ -70,6 +73,8 @@ class Room:
             return await self._own[method](viewer, params)
         if method in CONTROL and viewer is not self._hand:
             raise RefusedError("another page controls the program", help="take control first")
+        if method == "stop":
+            return await self._stop(params)
         result = await self._ask(self._engine(method), method, params)
         if method == "hello":
             able = {**result.get("able", {}), "save": True}
@@ -80,6 +85,15 @@ class Room:
         if method == "start":
             self._started(viewer, params, result)
         return result
+
+    async def _stop(self, params: Any) -> Any:
+        """Stop the program, even one of which a process computes without end."""
+        try:
+            return await asyncio.wait_for(self._ask(self._session, "stop", params), PATIENCE_TO_STOP)
+        except TimeoutError:
+            why = f"one of its processes has computed for {PATIENCE_TO_STOP:g} s without a communication"
+            await self._end_session(why)
+            return {}
 
     def _engine(self, method: str) -> EngineProcess:
         if method in QUESTIONS:

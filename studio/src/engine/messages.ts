@@ -227,6 +227,8 @@ export interface Hello extends Partial<HandState> {
   able?: Record<string, boolean>;
   models: Model[];
   program?: Program | null;
+  /** Files beside the program whose inputs a run can have. */
+  recordings?: string[];
   targets?: string[];
   running?: Running | null;
 }
@@ -250,7 +252,7 @@ export interface Requests {
   save: { params: { file: string; text: string; before: string }; result: unknown };
   compile: { params: Program & { target: string; level?: number }; result: { files: Record<string, string> } };
   start: {
-    params: Program & { environment?: string; set?: Record<string, string>; real_time?: boolean };
+    params: Program & { environment?: string; set?: Record<string, string>; inputs?: string; real_time?: boolean };
     result: StartResult;
   };
   play: { params: { session: SessionId; speed: number }; result: unknown };

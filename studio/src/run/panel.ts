@@ -22,6 +22,7 @@ const REAL_TIME = "real time";
 
 export class RunPanel {
   private readonly environment = element("environment", HTMLSelectElement);
+  private readonly inputs = element("inputs", HTMLSelectElement);
   private readonly speed = element("speed", HTMLSelectElement);
   private readonly run = element("run-button", HTMLButtonElement);
   private readonly step = element("step", HTMLButtonElement);
@@ -64,14 +65,17 @@ export class RunPanel {
       }
     });
     this.environment.addEventListener("change", () => void this.reset());
+    this.inputs.addEventListener("change", () => void this.reset());
     this.scrub.addEventListener("input", () => void this.look(this.scrub.valueAsNumber * 1e6));
     session.onChange(() => this.soon());
     this.soon();
   }
 
-  /** What the engine can do. */
-  able(able: Record<string, boolean>): void {
+  /** What the engine can do, and the recordings that it has. */
+  able(able: Record<string, boolean>, recordings: readonly string[]): void {
     element("speed-real", HTMLOptionElement).hidden = able["real_time"] !== true;
+    this.inputs.hidden = recordings.length === 0;
+    options(this.inputs, [["", "its own inputs"], ...recordings.map((name) => [name, `inputs of ${name}`] as const)]);
   }
 
   private get realTime(): boolean {
@@ -156,7 +160,7 @@ export class RunPanel {
     }
     this.ranVersion = this.workspace.version;
     // With the pictures, which other pages show, too.
-    return session.start(this.workspace.program, this.environment.value, this.realTime);
+    return session.start(this.workspace.program, this.environment.value, this.inputs.value, this.realTime);
   }
 
   /** Paints once in each frame of the screen, however much has happened. */

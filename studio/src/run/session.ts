@@ -44,13 +44,13 @@ export class Session {
   }
 
   /** Begins a run of the program as it is now; it stands at its first instant, unless it keeps pace with the clock. */
-  async start(program: Program, environment: string, realTime: boolean): Promise<boolean> {
+  async start(program: Program, environment: string, inputs: string, realTime: boolean): Promise<boolean> {
     await this.leave();
     this.phase = "starting";
     this.problem = "";
     this.changed();
     try {
-      const chosen = environment === "" ? {} : { environment };
+      const chosen = { ...(environment === "" ? {} : { environment }), ...(inputs === "" ? {} : { inputs }) };
       this.started = await this.engine.request("start", { ...program, ...chosen, real_time: realTime });
     } catch (problem) {
       this.fail(problem);

@@ -67,7 +67,7 @@ test("of two pages one controls the program, and the other can take control", as
   const first = await open();
   const second = await open();
   await second.getByText("Another page controls the program.").waitFor();
-  assert.equal(await second.locator("#ui-run-button").isDisabled(), true);
+  await second.locator("#ui-run-button:disabled").waitFor();
   await first.locator("#ui-run-button").click();
   for (const page of [first, second]) {
     await page.locator("#ui-plots .plot").first().waitFor();
@@ -76,7 +76,7 @@ test("of two pages one controls the program, and the other can take control", as
   await screenshot(second, "viewer");
   await second.getByRole("button", { name: "Take control" }).click();
   await first.getByText("Another page controls the program.").waitFor();
-  assert.equal(await second.locator("#ui-run-button").isDisabled(), false);
+  await second.locator("#ui-run-button:enabled").waitFor();
   await first.close();
   await second.close();
 });
@@ -85,11 +85,12 @@ test("in real time a program keeps pace with the clock, and can be stopped, not 
   const page = await open();
   await page.getByLabel("Example", { exact: true }).selectOption("watchdog");
   await page.locator(".files button[aria-pressed=true]", { hasText: "watchdog.csp" }).waitFor();
+  await page.locator("#ui-environment option", { hasText: "Kitchen" }).waitFor({ state: "attached" });
   await page.getByLabel("Speed").selectOption("real time");
   await page.locator("#ui-run-button").click();
   await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.3);
-  assert.equal(await page.locator("#ui-run-button").isDisabled(), true);
-  assert.equal(await page.locator("#ui-step").isDisabled(), true);
+  await page.locator("#ui-run-button:disabled").waitFor();
+  await page.locator("#ui-step:disabled").waitFor();
   await page.getByRole("button", { name: "Stop" }).click();
   await page.locator("#ui-run-note", { hasText: /stopped at [\d.]+ m?s/ }).waitFor();
   await screenshot(page, "real-time");

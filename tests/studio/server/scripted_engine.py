@@ -43,7 +43,7 @@ def main(file: str) -> None:
             result = {"session": "1"}
         if method == "play":
             threading.Thread(target=frames, daemon=True).start()
-        if method == "verify":
+        if method in ("verify", "stop"):
             time.sleep(params.get("seconds", 0))
         if method == "format":
             send({"id": request["id"], "error": {"message": "no", "help": "do"}})

@@ -68,6 +68,18 @@ def test_the_program_is_stopped_when_the_page_that_controls_it_goes(tmp_path: Pa
         second.ask("start")
 
 
+def test_a_program_that_does_not_answer_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cspdiag.studio.server.room.PATIENCE_TO_STOP", 0.1)
+    monkeypatch.setattr("cspdiag.studio.server.engines._PATIENCE", 0.2)
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        page.ask("start")
+        assert page.ask("stop", session="1", seconds=60) == {}
+        (ended,) = [each["params"] for each in page.notifications if each["method"] == "ended"]
+        assert "has computed for 0.1 s without a communication" in ended["text"]
+        page.ask("start")
+
+
 def test_pages_are_told_when_the_engine_of_the_program_ends(tmp_path: Path) -> None:
     with Studio(tmp_path) as studio:
         first, second = studio.open(), studio.open()

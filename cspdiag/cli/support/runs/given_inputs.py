@@ -22,31 +22,21 @@ def given_inputs(arguments: Namespace, network: CoreNetwork) -> RecordedInputs |
             raise UsageError(f"--inputs is not for --{option.replace('_', '-')}: a recording has its own time")
     from cspdiag.base.errors import MissingPackageError
     from cspdiag.runtime.kernel.durations import shown
-    from cspdiag.simulate.record.stored.described import head_of
-    from cspdiag.simulate.record.stored.inputs import recorded_inputs
-    from cspdiag.simulate.record.stored.open_recording import open_recording
-    from cspdiag.simulate.record.stored.parameters import parameters_signal
+    from cspdiag.simulate.record.stored.given import NoInputsError, inputs_of
     from cspdiag.simulate.record.stored.recording import InputsError, RecordingError
-    from cspdiag.simulate.run.execute import chosen_environment
 
-    environment = chosen_environment(network, arguments.environment)
-    if environment is None:
-        raise UsageError("--inputs is for programs with ports: this one has none")
-    if environment.drivers:
-        raise UsageError(f"--inputs: {environment.name} has devices; choose an environment that is only simulated")
     try:
-        parameters = parameters_signal(network)
-        signals = (*head_of(network, environment).ports, *(() if parameters is None else (parameters,)))
-        recording = open_recording(arguments.inputs, signals)
-        inputs = recorded_inputs(network, environment, recording)
+        inputs = inputs_of(network, arguments.environment, arguments.inputs)
+    except NoInputsError as problem:
+        raise UsageError(f"--inputs: {problem}") from None
     except MissingPackageError as problem:
         raise UsageError(str(problem)) from None
     except (InputsError, RecordingError) as problem:
         raise NoResultError(f"--inputs {problem}") from None
     except OSError as problem:
         raise UsageError(f"--inputs {described(problem)}") from None
-    if not recording.whole and not arguments.quiet:
-        say(f"cspdiag: {arguments.inputs} was cut off: its inputs end at {shown(recording.time)}")
+    if not inputs.recording.whole and not arguments.quiet:
+        say(f"cspdiag: {arguments.inputs} was cut off: its inputs end at {shown(inputs.end)}")
     return inputs
 
 

@@ -26,8 +26,9 @@ from cspdiag.tuning import parse_change
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from cspdiag.network.ir.network import ExternalPort
+    from cspdiag.network.ir.network import CoreNetwork, ExternalPort
     from cspdiag.runtime import Outcome
+    from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.studio.engine.programs import Files
 
     Tell = Callable[[str, Callable[[], Data]], object]
@@ -49,33 +50,50 @@ class Session:
     def __init__(self, number: int, files: Files, params: Data, tell: Tell) -> None:
         self.number = number
         self._tell = tell
-        until = params.get("until")
+        environment, until = _text(params, "environment"), params.get("until")
         self._real_time = params.get("real_time", False)
         if not isinstance(self._real_time, bool):
             raise RequestError("`real_time` is true or false")
         built = pipeline.build(
             files.source,
             files.read,
-            environment=_text(params, "environment"),
+            environment=environment,
             settings=settings_of(settings(params)),
             alone=True,
         )
         if built.network is None or built.checked.program is None:
             raise ProgramError(built.checked.report.diagnostics)
         self._program = built.checked.program
-        self._network = built.network
-        with file_errors():
-            package = pipeline.generate(built.network, files.read, level=1, traced=True, observed=True)
         limit = None if until is None else time_limit(until)
-        self._run = LiveRun(built.network, package, _text(params, "environment"), limit, real_time=self._real_time)
+        network, inputs = self._given(built.network, environment, _text(params, "inputs"))
+        self._network = network
+        if inputs is not None:
+            limit = inputs.end if limit is None else min(limit, inputs.end)
+        with file_errors():
+            package = pipeline.generate(network, files.read, level=1, traced=True, observed=True)
+        self._run = LiveRun(network, package, environment, limit, real_time=self._real_time, inputs=inputs)
         self._until = limit
         self._frames = Frames(self._run)
-        self._ports = {port.name: port for port in built.network.external_ports}
+        self._ports = {port.name: port for port in network.external_ports}
         self._speed: float | None = 1.0 if self._real_time else None
         self._base = (0.0, 0)
         """An instant of the clock in seconds, and the instant of the run that belongs to it."""
         self._due = 0.0
         self._has_ended = False
+
+    def _given(
+        self, network: CoreNetwork, environment: str | None, recording: str | None
+    ) -> tuple[CoreNetwork, RecordedInputs | None]:
+        """The inputs of a recording, if they are wanted, and the network with an environment that they take part in."""
+        if recording is None:
+            return network, None
+        if self._real_time:
+            raise RequestError("a recording has its own time", _VIRTUAL)
+        from cspdiag.simulate.record.stored.given import inputs_of
+        from cspdiag.simulate.record.stored.inputs import with_environment
+
+        network = with_environment(network)
+        return network, inputs_of(network, environment, recording)
 
     def description(self) -> Data:
         """What the page needs to know of the run."""

@@ -300,4 +300,4 @@ def test_a_program_without_ports_has_no_inputs(tmp_path: Path, capsys: pytest.Ca
     program.write_text("process Main { composition { skip } }\n")
     recorded.write_text("time,level\n0.01,1\n")
     assert main(["run", str(program), "--inputs", str(recorded)]) == 2
-    assert "--inputs is for programs with ports: this one has none" in capsys.readouterr().err
+    assert "--inputs: a recording is for programs with ports: this one has none" in capsys.readouterr().err
