@@ -145,6 +145,21 @@ def test_frames_follow_each_other_and_have_the_whole_run(player: Player) -> None
     assert "has ended" in player.refused("step", session=session)
 
 
+def test_a_mode_is_left_when_its_process_ends(player: Player) -> None:
+    text = """process Once { composition { wait 20 ms } }
+process Two {
+  communication { one : Once  two : Once }
+  composition { one ; wait 10 ms ; two ; wait 10 ms }
+}
+"""
+    session = player.ask("start", **program(text))["session"]
+    player.play(session, 60_000_000)
+    modes = [each for frame in player.frames for each in frame["params"]["modes"]]
+    assert [(each["t"] // 1_000_000, each["path"], each["mode"]) for each in modes] == [
+        (0, "Two.one", "one"), (20, "Two.one", None), (30, "Two.two", "two"), (50, "Two.two", None),
+    ]  # fmt: skip
+
+
 def test_a_step_is_a_communication(player: Player) -> None:
     session = player.ask("start", **player.model("dining/deadlock"))["session"]
     player.ask("step", session=session)

@@ -132,6 +132,8 @@ export interface Step {
 
 export interface Counterexample {
   steps: Step[];
+  /** What can be repeated forever after them. */
+  cycle?: Step[] | null;
   final?: unknown;
 }
 
@@ -182,7 +184,8 @@ export interface Mode {
   /** The part of the program whose mode it is. */
   group: string;
   path: string;
-  mode: string;
+  /** Null: the process has ended, and no other has begun. */
+  mode: string | null;
 }
 
 export type Value = number | boolean | string | null;

@@ -22,7 +22,7 @@ export class Modes {
   show(recording: Recording, from: number, to: number, at: number): void {
     for (const [path, log] of recording.modes) {
       // A part that is one process has no modes.
-      if (log.items.every((mode) => mode === path)) {
+      if (log.items.every(({ mode }) => mode === undefined || mode === path)) {
         continue;
       }
       const { track, now } = this.rows.get(path) ?? this.row(path);

@@ -47,13 +47,19 @@ export interface Span {
   mode: string;
 }
 
+/** A mode that a part of the program entered, and the process that is in it; undefined if there is none. */
+interface Entered {
+  path: string;
+  mode: string | undefined;
+}
+
 export class Recording {
   readonly tracks = new Map<string, Track>();
   readonly communications = new Log<Communication>();
   private readonly running = new Log<readonly string[]>();
   private readonly waiting = new Log<readonly Waiting[]>();
   /** The mode of each part of the program. */
-  readonly modes = new Map<string, Log<string>>();
+  readonly modes = new Map<string, Log<Entered>>();
   /** The latest instant. */
   now = 0;
   /** How many communications were not reported. */
@@ -95,11 +101,14 @@ export class Recording {
     return made;
   }
 
-  private addMode({ t, group, mode }: Mode): void {
-    const log = this.modes.get(group) ?? new Log<string>();
+  private addMode({ t, group, path, mode }: Mode): void {
+    const log = this.modes.get(group) ?? new Log<Entered>();
     this.modes.set(group, log);
-    if (log.items.at(-1) !== mode) {
-      log.add(t, mode);
+    const last = log.items.at(-1);
+    // Another process may have begun before this one ended.
+    const changed = mode === null ? last?.path === path && last.mode !== undefined : last?.mode !== mode;
+    if (changed) {
+      log.add(t, { path, mode: mode ?? undefined });
     }
   }
 
@@ -120,7 +129,7 @@ export class Recording {
   }
 
   modeAt(path: string, time: number): string | undefined {
-    return this.modes.get(path)?.at(time);
+    return this.modes.get(path)?.at(time)?.mode;
   }
 
   /** What a process was in, from one instant to another. */
@@ -133,8 +142,9 @@ export class Recording {
     for (let i = log.times.length - 1; i >= 0; i--) {
       const start = log.times[i] ?? 0;
       const end = log.times[i + 1] ?? Infinity;
-      if (end >= from && start <= to) {
-        found.push({ from: Math.max(start, from), to: Math.min(end, to, this.now), mode: log.items[i] ?? "" });
+      const mode = log.items[i]?.mode;
+      if (mode !== undefined && end >= from && start <= to) {
+        found.push({ from: Math.max(start, from), to: Math.min(end, to, this.now), mode });
       }
       if (start < from) {
         break;

@@ -45,6 +45,14 @@ test("of more than a million values the older half is forgotten, and the rest is
 
 const FRAME = { session: "1", from: 0, to: 100, signals: {} };
 
+test("a mode ends with its process, unless the next one has begun", () => {
+  const recording = new Recording([]);
+  const mode = (t: number, path: string, name: string | null) => ({ t, group: "A", path, mode: name });
+  recording.add({ ...FRAME, modes: [mode(0, "A.one", "one"), mode(40, "A.two", "two"), mode(40, "A.one", null), mode(60, "A.two", null)] });
+  assert.deepEqual([0, 50, 60].map((at) => recording.modeAt("A", at)), ["one", "two", undefined]);
+  assert.deepEqual(recording.spans("A", 0, 100).map(({ from, to }) => [from, to]), [[0, 40], [40, 60]]);
+});
+
 test("one can go back to what ran, waited and communicated", () => {
   const recording = new Recording(["x"]);
   recording.add({

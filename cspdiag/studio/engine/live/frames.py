@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable
 from itertools import islice
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,7 @@ class Frames:
         self._types |= {f"{network.top}.{port.name}": port.type for port in network.external_ports}
         self.groups = mode_groups(network)
         self._modes = {path: (group.name, mode) for group in self.groups for path, mode in group.modes.items()}
+        self._entered: set[str] = set()
         self._last = 0
 
     def next(self, *, with_waiting: bool = True) -> Callable[[], Data]:
@@ -44,6 +46,7 @@ class Frames:
             "to": self._run.now,
             "waiting": waiting(self._run) if with_waiting else [],
             "missed": self._run.missed,
+            "modes": self._mode_changes(recorder.begun, recorder.ended),
         }
         self._last = self._run.now
         return lambda: {**about, **self._happened(recorder)}
@@ -54,11 +57,6 @@ class Frames:
             "signals": self._signals(recorder),
             "communications": self._communications(recorder, count),
             "omitted": max(0, count - MOST_COMMUNICATIONS),
-            "modes": [
-                {"t": time, "group": self._modes[path][0], "path": path, "mode": self._modes[path][1]}
-                for time, path in recorder.begun
-                if path in self._modes
-            ],
             "started": [path for _, path in recorder.begun],
             "ended": [path for _, path in recorder.ended],
             "running": list(recorder.running),
@@ -91,6 +89,23 @@ class Frames:
              "value": value_data(value, self._types.get(channel))}
             for time, channel, value, writer, reader in shown
         ]  # fmt: skip
+
+    def _mode_changes(self, begun: Iterable[tuple[int, str]], ended: Iterable[tuple[int, str]]) -> list[Data]:
+        """Which modes were entered and left when; of a process that has ended the mode is null."""
+        times: dict[str, tuple[deque[int], deque[int]]] = {}
+        for which, happened in enumerate((begun, ended)):
+            for time, path in happened:
+                if path in self._modes:
+                    times.setdefault(path, (deque(), deque()))[which].append(time)
+        changes: list[Data] = []
+        for path, (entered, left) in times.items():
+            group, mode = self._modes[path]
+            while left if path in self._entered else entered:
+                begins = path not in self._entered
+                time = (entered if begins else left).popleft()
+                changes.append({"t": time, "group": group, "path": path, "mode": mode if begins else None})
+                self._entered ^= {path}
+        return sorted(changes, key=lambda change: int(change["t"]))
 
 
 def columns(network: CoreNetwork) -> list[Column[Any]]:
