@@ -1,6 +1,7 @@
 """What the engine answers about a text: diagnostics, completion, diagrams, proofs, runs, packages."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -278,3 +279,10 @@ def test_what_an_engine_lacks_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     without = Talk()
     assert without.ask("check", **program(HELD))["diagnostics"] == []
     assert "numpy" in without.refused("compile", **program(HELD))
+
+
+def test_an_error_of_the_program_is_named_in_one_sentence(talk: Talk) -> None:
+    text = "process A {\n  composition { missing ; other }\n}\n"
+    for method in ("compile", "run", "timing", "start"):
+        said = talk.refused(method, **program(text))
+        assert re.fullmatch(r"the program has errors: E\d+ [^\n]*, p\.csp:2 \(and 1 more\)", said), said

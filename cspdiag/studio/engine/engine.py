@@ -6,6 +6,7 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from cspdiag.api import ProgramError
 from cspdiag.base.errors import CspdiagError
 from cspdiag.studio.engine.data import Data
 from cspdiag.studio.engine.failure import RequestError
@@ -62,6 +63,8 @@ class Engine:
             return {"id": number, "result": self._result(message)}
         except RequestError as problem:
             return _refusal(number, str(problem), problem.help)
+        except ProgramError as problem:
+            return _refusal(number, _first_error(problem), "correct what `check` reports first")
         except CspdiagError as problem:
             return _refusal(number, str(problem), None)
         except OSError as problem:
@@ -209,6 +212,14 @@ class Engine:
         session, self._session = self._session, None
         if session is not None:
             session.stop()
+
+
+def _first_error(problem: ProgramError) -> str:
+    """A sentence: the page shows all errors beside the text."""
+    errors = [each for each in problem.diagnostics if each.severity == "error"]
+    first, more = errors[0], len(errors) - 1
+    others = f" (and {more} more)" if more else ""
+    return f"the program has errors: {first.code} {first.message}, {first.span.file}:{first.span.line}{others}"
 
 
 def _refusal(number: object, message: str, help: str | None) -> Data:
