@@ -19,8 +19,9 @@ import { Proofs } from "./proofs/proofs";
 import { RunPanel } from "./run/panel";
 import { Session } from "./run/session";
 
-/** Milliseconds without a key until the program is checked and drawn. */
+/** Milliseconds without a key until the program is checked and drawn, and until the address holds it. */
 const PAUSE = 150;
+const KEEPING = 500;
 
 const status = element("engine", HTMLElement);
 const models = element("models", HTMLSelectElement);
@@ -155,6 +156,8 @@ const checkSoon = settled(PAUSE, () => void check());
 
 async function load(program: Program): Promise<void> {
   workspace.open(program);
+  models.value = "name" in program && typeof program.name === "string" ? program.name : "";
+  say(message, "");
   editor.clear();
   editor.show(program.main, program.files[program.main] ?? "");
   paintFiles();
@@ -166,6 +169,20 @@ async function open(program: Program): Promise<void> {
   await load(program);
   await check();
 }
+
+/** The address holds what is written, so it is still there when the page is loaded again; not files of the machine, which are saved. */
+async function keep(): Promise<void> {
+  if (workspace.edited && !saving.offered) {
+    const address = await encoded(workspace.program);
+    try {
+      history.replaceState(null, "", address);
+    } catch {
+      // Longer than an address may be.
+    }
+  }
+}
+
+const keepSoon = settled(KEEPING, () => void keep());
 
 async function share(): Promise<void> {
   history.replaceState(null, "", await encoded(workspace.program));
@@ -182,8 +199,11 @@ function offer(known: readonly Model[]): void {
   models.addEventListener("change", () => {
     const model = known.find((each) => each.name === models.value);
     if (model !== undefined) {
-      history.replaceState(null, "", location.pathname + location.search);
-      void open(model);
+      // The way back leads to what was written before.
+      void keep().then(() => {
+        history.pushState(null, "", location.pathname + location.search);
+        return open(model);
+      });
     }
   });
 }
@@ -212,13 +232,13 @@ async function opened({ models: known, program, running, able }: Hello): Promise
   }
   const first = linked ?? program ?? known.find((model) => model.name === "jiwy") ?? known[0];
   if (first !== undefined) {
-    models.value = "name" in first && typeof first.name === "string" ? first.name : "";
     await open(first);
   }
 }
 
 function listen(): void {
   workspace.onChange(checkSoon);
+  workspace.onChange(keepSoon);
   engine.on("started", (running) => void follow(running));
   element("share", HTMLButtonElement).addEventListener("click", () => void share());
   element("format", HTMLButtonElement).addEventListener("click", () => void format());

@@ -57,7 +57,7 @@ def test_it_works_in_a_browser(part: str) -> None:
         pytest.skip("the tour through all models takes minutes: `make test-studio`")
     if part == "playground" and not (FOLDER / "build" / "engine" / "cspdiag.zip").exists():
         pytest.skip("the engine for browsers is not built: `make playground`")
-    run("node", "--test", f"test/e2e/{part}.test.mjs")
+    run("node", "--test", "--test-timeout=300000", f"test/e2e/{part}.test.mjs")
 
 
 @has_page

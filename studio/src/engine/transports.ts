@@ -12,6 +12,8 @@ export const worker: Connect = (receive, lost) => {
   return { send: (message) => there.postMessage(message) };
 };
 
+const REFUSED = "the server has ended, or it is another one than that of this link: open the link that `cspdiag studio` has shown last";
+
 export function socket(token: string): Connect {
   return (receive, lost) => {
     const url = new URL(`engine?token=${encodeURIComponent(token)}`, location.href);
@@ -19,14 +21,17 @@ export function socket(token: string): Connect {
     url.hash = "";
     const there = new WebSocket(url);
     const early: string[] = [];
+    let opened = false;
     there.addEventListener("open", () => {
+      opened = true;
       for (const message of early.splice(0)) {
         there.send(message);
       }
     });
     there.addEventListener("message", (event: MessageEvent<string>) => receive(JSON.parse(event.data)));
     there.addEventListener("close", (event) => {
-      lost(event.reason === "" ? "the engine has ended, or the connection to it is lost" : event.reason);
+      const why = opened ? "the engine has ended, or the connection to it is lost" : REFUSED;
+      lost(event.reason === "" ? why : event.reason);
     });
     return {
       send: (message) => {

@@ -13,6 +13,10 @@ export class Generate {
   private readonly list = element("generated", HTMLElement);
   private readonly listing = element("listing", HTMLElement);
   private files: Record<string, string> = {};
+  /** The target for which they were generated. */
+  private made = "";
+  /** Counts what was asked: only the last answer is shown. */
+  private asked = 0;
 
   constructor(
     private readonly engine: Engine,
@@ -35,35 +39,46 @@ export class Generate {
   }
 
   private async generate(): Promise<void> {
-    const asked = { ...this.workspace.sources(), target: this.target.value, level: Number(this.level.value) };
-    await this.answer(async () => this.show((await this.engine.request("compile", asked)).files));
+    const target = this.target.value;
+    const asked = { ...this.workspace.sources(), target, level: Number(this.level.value) };
+    await this.answer(async () => {
+      const { files } = await this.engine.request("compile", asked);
+      return () => {
+        this.made = target;
+        this.show(files);
+      };
+    });
   }
 
   private async timing(): Promise<void> {
     await this.answer(async () => {
       const { text } = await this.engine.request("timing", this.workspace.sources());
-      this.show({});
-      this.listing.textContent = text;
+      return () => (this.listing.textContent = text);
     });
   }
 
-  private async answer(request: () => Promise<void>): Promise<void> {
+  /** Shows what a request brings, unless the program or the question has changed meanwhile. */
+  private async answer(request: () => Promise<() => void>): Promise<void> {
+    this.show({});
     this.say("One moment …");
-    const version = this.workspace.version;
+    const [version, asked] = [this.workspace.version, ++this.asked];
+    const isLast = () => version === this.workspace.version && asked === this.asked;
     try {
-      await request();
-      this.say("");
+      const show = await request();
+      if (isLast()) {
+        this.say("");
+        show();
+      }
     } catch (problem) {
-      this.show({});
-      this.say(inWords(problem));
-    }
-    if (version !== this.workspace.version) {
-      this.reset();
+      if (isLast()) {
+        this.say(inWords(problem), true);
+      }
     }
   }
 
-  private say(text: string): void {
+  private say(text: string, bad = false): void {
     this.note.textContent = text;
+    this.note.classList.toggle("bad", bad);
     this.note.hidden = text === "";
   }
 
@@ -97,7 +112,7 @@ export class Generate {
 
   private save(): void {
     const address = URL.createObjectURL(new Blob([archive(this.files)], { type: "application/x-tar" }));
-    h("a", { href: address, download: `${this.stem()}-${this.target.value}.tar` }).click();
+    h("a", { href: address, download: `${this.stem()}-${this.made}.tar` }).click();
     setTimeout(() => URL.revokeObjectURL(address), 10_000);
   }
 }

@@ -9,7 +9,8 @@ export class Saving {
   private readonly button = element("save", HTMLButtonElement);
   /** The texts as they are on the disk, of the program that the engine was started with. */
   private saved: Record<string, string> = {};
-  private offered = false;
+  /** Whether the program that is open is saved on the machine. */
+  offered = false;
 
   constructor(
     private readonly engine: Engine,
@@ -21,6 +22,11 @@ export class Saving {
       if ((event.ctrlKey || event.metaKey) && event.key === "s") {
         event.preventDefault();
         void this.save();
+      }
+    });
+    window.addEventListener("beforeunload", (event) => {
+      if (this.offered && this.changed().length > 0) {
+        event.preventDefault();
       }
     });
     workspace.onChange(() => this.paint());

@@ -8,16 +8,20 @@ export class Workspace {
   shown = "";
   /** Grows with each change. */
   version = 0;
+  /** Whether something was written since it was opened. */
+  edited = false;
 
   open(program: Program): void {
     this.program = { files: { ...program.files }, main: program.main };
     this.shown = program.main;
+    this.edited = false;
     this.changed();
   }
 
   write(file: string, text: string): void {
     if (this.program.files[file] !== text) {
       this.program = { ...this.program, files: { ...this.program.files, [file]: text } };
+      this.edited = true;
       this.changed();
     }
   }

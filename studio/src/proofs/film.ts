@@ -12,9 +12,11 @@ function isWaiting(found: unknown): found is Waiting[] {
   return Array.isArray(found) && found.every((each) => typeof each === "object" && each !== null && "process" in each && "channels" in each);
 }
 
-/** The steps, and the state at the end if it says who waits. */
+/** The steps, those that can be repeated forever, and the state at the end if it says who waits. */
 export function scenes(counterexample: Counterexample): Step[] {
-  const { final, steps } = counterexample;
+  const { final, cycle } = counterexample;
+  const repeated = (cycle ?? []).map((step) => ({ ...step, text: `${step.text}, again and again` }));
+  const steps = [...counterexample.steps, ...repeated];
   const end: unknown = typeof final === "object" && final !== null && "waiting" in final ? final.waiting : final;
   const text = typeof final === "object" && final !== null && "text" in final && typeof final.text === "string" ? final.text : "The program stands still.";
   return isWaiting(end) && end.length > 0 ? [...steps, { text, waiting: end }] : steps;

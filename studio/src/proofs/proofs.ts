@@ -6,7 +6,7 @@ import type { Answer, Assertion, Counterexample, Fix, Place } from "../engine/me
 import { button, element, h } from "../page/dom";
 import { inline } from "../page/markdown";
 import type { Workspace } from "../program/workspace";
-import { Film } from "./film";
+import { Film, scenes } from "./film";
 
 const SIGNS: Record<string, string> = { holds: "✓", fails: "✗", unknown: "?" };
 
@@ -53,6 +53,7 @@ export class Proofs {
     this.prove.textContent = this.canCancel ? "Cancel" : "Proving …";
     this.prove.disabled = !this.canCancel;
     this.say("Proving …");
+    this.paint();
     const version = this.workspace.version;
     try {
       const answers = await this.engine.request("verify", this.workspace.sources());
@@ -82,8 +83,9 @@ export class Proofs {
     const rows = this.assertions.map(({ text, place }) =>
       h("li", {}, h("span", { class: "verdict", "aria-hidden": "true" }, "·"), button(text, () => this.go(place), { class: "link" })),
     );
-    const none = h("li", { class: "hint" }, "This program asserts nothing. Write ", h("code", {}, "assert Name deadlock free"), " at its end.");
-    this.room.replaceChildren(...(rows.length > 0 ? rows : [none]));
+    const write = ["This program asserts nothing: it is asked whether it can deadlock or livelock. Write ", h("code", {}, "assert Name deadlock free"), " or the like at its end."];
+    const none = this.busy ? [] : [h("li", {}, h("p", { class: "hint" }, ...write))];
+    this.room.replaceChildren(...(rows.length > 0 ? rows : none));
   }
 
   private answered(answer: Answer): HTMLElement {
@@ -100,7 +102,7 @@ export class Proofs {
         title,
         h("span", { class: "word" }, answer.verdict),
         h("p", {}, ...inline(answer.text)),
-        counterexample == null || counterexample.steps.length === 0
+        counterexample == null || scenes(counterexample).length === 0
           ? undefined
           : button("Show the counterexample", () => this.play(answer.assertion, counterexample)),
         suggestion == null ? undefined : button(inline(suggestion.title), () => this.fix(suggestion)),

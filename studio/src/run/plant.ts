@@ -55,6 +55,29 @@ interface Part {
   formulas: Map<string, Formula>;
 }
 
+/** The two numbers of a point; undefined if it is not one. */
+function centre(text: string): [number, number] | undefined {
+  const [x, y, ...rest] = text.trim().split(/[\s,]+/).map(Number);
+  return x !== undefined && y !== undefined && rest.length === 0 && Number.isFinite(x) && Number.isFinite(y) ? [x, y] : undefined;
+}
+
+/** A picture beside the page and its diagrams: without styles, which would be theirs, too, and with identifiers of its own. */
+function apart(svg: SVGSVGElement): SVGSVGElement {
+  svg.querySelectorAll("style").forEach((each) => each.remove());
+  for (const each of [svg, ...svg.querySelectorAll("*")]) {
+    for (const { name, value } of [...each.attributes]) {
+      if (name === "id") {
+        each.id = `plant-${value}`;
+      } else if (/href$/i.test(name) && value.startsWith("#")) {
+        each.setAttribute(name, `#plant-${value.slice(1)}`);
+      } else if (value.includes("url(#")) {
+        each.setAttribute(name, value.replaceAll("url(#", "url(#plant-"));
+      }
+    }
+  }
+  return svg;
+}
+
 function transform({ element, before, formulas }: Part, value: Value): string {
   const of = (name: (typeof MOVES)[number]) => {
     const found = formulas.get(name);
@@ -67,7 +90,7 @@ function transform({ element, before, formulas }: Part, value: Value): string {
   if (x !== undefined || y !== undefined) {
     steps.push(`translate(${x ?? 0} ${y ?? 0})`);
   }
-  const [cx = 0, cy = 0] = (element.getAttribute("data-centre") ?? "0 0").trim().split(/[\s,]+/).map(Number);
+  const [cx, cy] = centre(element.getAttribute("data-centre") ?? "0 0") ?? [0, 0];
   if (angle !== undefined) {
     steps.push(`rotate(${angle} ${cx} ${cy})`);
   }
@@ -86,7 +109,8 @@ export class Plant {
 
   /** Shows the picture, if there is one that can be read; `signals` are those of the run. */
   open(text: string | undefined, signals: readonly string[]): boolean {
-    const svg = text === undefined ? undefined : safe(text);
+    const found = text === undefined ? undefined : safe(text);
+    const svg = found === undefined ? undefined : apart(found);
     this.parts = [];
     this.unknown = [];
     this.room.replaceChildren(...(svg === undefined ? [] : [svg]));

@@ -6,7 +6,7 @@ import { h } from "../page/dom";
 import type { Recording } from "./recording";
 import type { Track } from "./track";
 
-/** How many colours --series-1 … there are. */
+/** How many colours --series-1 … there are; a plot has no more signals. */
 const COLOURS = 8;
 const HEIGHT = 116;
 /** Milliseconds between two paintings while the run goes on: a canvas takes longer than all else on the page. */
@@ -17,18 +17,18 @@ interface Group {
   signals: Signal[];
 }
 
-/** Signals by what they can be compared with: their unit, and whether they are numbers. */
+/** Signals by what they can be compared with: their unit, and whether they are numbers; at most as many as colours. */
 export function groups(signals: readonly Signal[]): Group[] {
-  const found = new Map<string, Group>();
+  const found = new Map<string, Signal[]>();
   for (const signal of signals) {
     const unit = unitOf(signal);
     const kind = /^(?:double|float)/.test(signal.type) ? "" : /^bool/.test(signal.type) ? "yes or no" : signal.type.replace(/<.*/, "");
     const title = unit !== "" ? unit : kind !== "" ? kind : "without unit";
-    const group = found.get(title) ?? { title, signals: [] };
-    found.set(title, group);
-    group.signals.push(signal);
+    found.set(title, [...(found.get(title) ?? []), signal]);
   }
-  return [...found.values()];
+  return [...found].flatMap(([title, all]) =>
+    Array.from({ length: Math.ceil(all.length / COLOURS) }, (_, part) => ({ title, signals: all.slice(part * COLOURS, (part + 1) * COLOURS) })),
+  );
 }
 
 export function unitOf(signal: { type: string; unit?: string | null }): string {
@@ -109,7 +109,7 @@ export class Plots {
   private made({ title, signals }: Group, recording: Recording): Shown {
     const values = signals.map(() => h("output", {}));
     const keys = signals.map((signal, index) => {
-      const swatch = h("i", { class: `swatch series-${(index % COLOURS) + 1}`, "aria-hidden": "true" });
+      const swatch = h("i", { class: `swatch series-${index + 1}`, "aria-hidden": "true" });
       return h("li", {}, swatch, h("span", {}, signal.name), values[index]);
     });
     const place = h("div", { class: "canvas" });
@@ -136,7 +136,7 @@ export class Plots {
           {},
           ...signals.map((signal, index) => ({
             label: signal.name,
-            stroke: colour(`--series-${(index % COLOURS) + 1}`),
+            stroke: colour(`--series-${index + 1}`),
             width: 1.5,
             points: { show: false },
             ...(uPlot.paths.stepped === undefined ? {} : { paths: uPlot.paths.stepped({ align: 1 }) }),

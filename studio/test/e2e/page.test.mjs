@@ -56,7 +56,7 @@ test("a stick moves what it drives, from the screen and from the keyboard", asyn
   for (let i = 0; i < 5; i++) await page.keyboard.press("ArrowRight");
   const circle = page.locator("#ui-plant circle");
   await page.waitForFunction((it) => it.getAttribute("transform") === "translate(125 0)", await circle.elementHandle());
-  assert.match(await page.locator("#arm").getAttribute("transform"), /^rotate\(/);
+  assert.match(await page.locator("#plant-arm").getAttribute("transform"), /^rotate\(/);
   const box = await pad.boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
@@ -119,12 +119,15 @@ test("generated code is read and downloaded, and belongs to the text as it is", 
   const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Download" }).click()]);
   assert.equal(download.suggestedFilename(), "pair-c.tar");
   assert.match(execFileSync("tar", ["-xOf", await download.path(), "pair/pair.c"], { encoding: "utf8" }), /^int main/);
+  await page.getByLabel("Target").selectOption("python");
+  const [same] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Download" }).click()]);
+  assert.equal(same.suggestedFilename(), "pair-c.tar");
   await write(page, "process Other {}\n");
   await page.locator("#ui-listing:empty").waitFor({ state: "attached" });
   await page.close();
 });
 
-test("a link holds the program", async () => {
+test("a link holds the program, and the address what is written", async () => {
   const page = await studio.open();
   await write(page, "process Mine {}\n");
   await page.getByRole("button", { name: "Copy link" }).click();
@@ -133,6 +136,14 @@ test("a link holds the program", async () => {
   await page.close();
   const other = await studio.open({ hash });
   await other.locator(".cm-line", { hasText: "process Mine {}" }).waitFor();
+  await write(other, "process Later {}\n");
+  await other.waitForFunction((before) => location.hash.startsWith("#code=") && location.hash !== before, hash);
+  await other.reload();
+  await other.locator(".cm-line", { hasText: "process Later {}" }).waitFor();
+  await other.getByLabel("Example", { exact: true }).selectOption("pair");
+  await other.locator(".cm-line", { hasText: "left : A" }).waitFor();
+  await other.goBack();
+  await other.locator(".cm-line", { hasText: "process Later {}" }).waitFor();
   await other.close();
 });
 
@@ -173,12 +184,14 @@ for (const [width, height] of [[390, 844], [1024, 768], [1600, 900]]) {
   });
 }
 
-test("hostile texts stay texts, wherever they reach the page", async () => {
+test("hostile texts stay texts, wherever they reach the page", async (context) => {
   const hostile = await Studio.start(HOSTILE);
+  context.after(() => hostile.close());
   const page = await hostile.open();
   await write(page, "process Pair {\n  left : A\n  slip : B\n}\nassert Pair deadlock free\n");
   await page.locator("#ui-problems li").waitFor();
   await page.getByRole("button", { name: "E0204" }).click();
+  await page.getByRole("dialog").getByText("not declared").waitFor();
   await page.keyboard.press("Escape");
   await page.locator(".cm-line", { hasText: "slip" }).locator("span", { hasText: "slip" }).first().hover();
   await page.locator(".cm-tooltip").first().waitFor();
@@ -201,5 +214,4 @@ test("hostile texts stay texts, wherever they reach the page", async () => {
   assert.equal(await page.locator("body img, body script, svg script, svg image, svg a[href], [onclick], [onload], [onerror]").count(), 0);
   assert.deepEqual(page.complaints, []);
   await page.close();
-  await hostile.close();
 });

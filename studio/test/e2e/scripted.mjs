@@ -53,7 +53,7 @@ function end(reason, text, waiting = []) {
 }
 
 const ANSWERS = {
-  hello: () => ({ engine: "machine", version: word("0"), able: {}, targets: [word("c")], models: [{ name: "pair", title: word("A pair"), ...PROGRAM, files: { ...PROGRAM.files, "pair.svg": PICTURE } }] }),
+  hello: () => ({ engine: "machine", version: word("0"), able: {}, targets: [word("c"), "python"], models: [{ name: "pair", title: word("A pair"), ...PROGRAM, files: { ...PROGRAM.files, "pair.svg": PICTURE } }] }),
   check: ({ files }) => {
     const text = files["pair.csp"];
     const wrong = /slip/.test(text);
