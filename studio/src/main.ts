@@ -162,7 +162,7 @@ async function load(program: Program): Promise<void> {
   editor.show(program.main, program.files[program.main] ?? "");
   paintFiles();
   diagram.reset();
-  await run.reset();
+  await run.opened();
 }
 
 async function open(program: Program): Promise<void> {

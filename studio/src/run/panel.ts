@@ -97,8 +97,14 @@ export class RunPanel {
     this.preview();
   }
 
-  /** Another program is opened. */
-  async reset(): Promise<void> {
+  /** Another program is opened, of which no environment is known until it is checked. */
+  async opened(): Promise<void> {
+    this.environment.replaceChildren();
+    await this.reset();
+  }
+
+  /** The run is left, as it is of another program or environment. */
+  private async reset(): Promise<void> {
     this.begun = undefined;
     this.modes.clear();
     this.plots.open([], this.session.recording);
