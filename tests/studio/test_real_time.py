@@ -94,7 +94,7 @@ def valve() -> Iterator[Valve]:
     found.close()
 
 
-def go_on(talk: Talk, until: int) -> list[dict[str, Any]]:
+def run_until(talk: Talk, until: int) -> list[dict[str, Any]]:
     """The frames until an instant."""
     while talk.engine.keeps_pace and talk.ask("state", session=1)["now"] < until:
         talk.engine.proceed()
@@ -107,9 +107,9 @@ def test_it_keeps_pace_with_the_clock_and_takes_a_hand(talk: Talk, valve: Valve)
     assert started["real_time"]
     assert {signal["name"]: signal["hand"] for signal in started["signals"]} == {"knob": True, "valve": False}
     assert talk.ask("play", session=1, speed=1) == {}
-    go_on(talk, 150_000_000)
+    run_until(talk, 150_000_000)
     talk.ask("input", session=1, name="knob", value=5)
-    frames = go_on(talk, 300_000_000)
+    frames = run_until(talk, 300_000_000)
     assert time.monotonic() - began >= 0.3
     assert [frame["to"] for frame in frames[:-1]] == [frame["from"] for frame in frames[1:]]
     assert [time for frame in frames for time in frame["signals"].get("knob", {"t": []})["t"]][:3] == [
@@ -126,7 +126,7 @@ def test_it_keeps_pace_with_the_clock_and_takes_a_hand(talk: Talk, valve: Valve)
 
 def test_it_ends_at_its_time_limit(talk: Talk, valve: Valve) -> None:
     talk.ask("start", **program(valve.text), real_time=True, until="60 ms")
-    go_on(talk, 1_000_000_000)
+    run_until(talk, 1_000_000_000)
     ended = talk.notifications[-1]["params"]
     assert (ended["reason"], ended["at"]) == ("until", 60_000_000)
     assert valve.is_safe
@@ -150,7 +150,7 @@ def test_a_browser_has_no_real_time() -> None:
 def test_missed_samples_are_shown(talk: Talk) -> None:
     law = "import time\nclass Law:\n    def calculate(self, knob):\n        time.sleep(0.004)\n"
     talk.ask("start", files={"p.csp": SLOW, "law.py": law}, main="p.csp", real_time=True)
-    frames = go_on(talk, 60_000_000)
+    frames = run_until(talk, 60_000_000)
     assert frames[-1]["missed"]["knob"] > 10
     talk.ask("stop", session=1)
     assert talk.notifications[-1]["params"]["missed"]["knob"] >= frames[-1]["missed"]["knob"]

@@ -82,7 +82,7 @@ class EngineProcess:
         try:
             while line := await process.stdout.readline():
                 if self._take(line.decode()):
-                    # Who waits for the answer passes it on before what the engine told next.
+                    # Who waits for the answer passes it on before what the engine sent next.
                     await asyncio.sleep(0)
         except ValueError:  # A message that is too long.
             process.kill()

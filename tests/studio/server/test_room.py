@@ -80,7 +80,7 @@ def test_a_program_that_does_not_answer_is_stopped(tmp_path: Path, monkeypatch: 
         page.ask("start")
 
 
-def test_pages_are_told_when_the_engine_of_the_program_ends(tmp_path: Path) -> None:
+def test_pages_learn_when_the_engine_of_the_program_ends(tmp_path: Path) -> None:
     with Studio(tmp_path) as studio:
         first, second = studio.open(), studio.open()
         first.ask("start")
