@@ -24,6 +24,9 @@ ROW = struct.Struct("=IIqIIQ")
 """Kind, number, time, writer, reader, value."""
 SIZE = ROW.size
 _SORTED_AT_ONCE = 1 << 20
+"""Bytes, which with what is made of them fit into the caches of a processor."""
+_BITS_OF_KIND = 4
+"""Of the number by which rows are sorted: no kind has more."""
 _VALUE = slice(24, 32)
 _PAYLOAD = slice(8, 32)
 
@@ -165,21 +168,21 @@ class PassedRows:
         """Add records to the series of their channels."""
         import numpy
 
-        kinds = kinds_of(data)
-        numbers = numpy.frombuffer(data, numpy.uint32)[1 :: SIZE // 4]
-        positions = numpy.flatnonzero((kinds == Kind.COMMUNICATION) | (kinds == Kind.SAMPLE))
+        heads = numpy.frombuffer(data, numpy.uint32).reshape(-1, SIZE // 4)
         # One number for each channel and kind, small ones because these are sorted faster; sorting keeps the order in
         # time.
-        small = numpy.uint16 if len(self.channels) < 1 << 15 else numpy.uint32
-        keys = 2 * numbers[positions].astype(small) + (kinds[positions] == Kind.SAMPLE)
+        small = numpy.uint16 if max(self.channels, default=0) < 1 << 16 - _BITS_OF_KIND else numpy.uint32
+        keys = ((heads[:, 1] << _BITS_OF_KIND) | heads[:, 0]).astype(small)
         order = numpy.argsort(keys, kind="stable")
-        positions, keys = positions[order], keys[order]
-        groups = numpy.split(positions, numpy.flatnonzero(keys[1:] != keys[:-1]) + 1) if len(keys) else []
+        keys = keys[order]
+        groups = numpy.split(order, numpy.flatnonzero(keys[1:] != keys[:-1]) + 1) if len(keys) else []
         for group in sorted(groups, key=lambda group: int(group[0])):
-            number, is_sample = int(numbers[group[0]]), bool(kinds[group[0]] == Kind.SAMPLE)
+            kind, number = heads[group[0], :2].tolist()
+            if kind not in (Kind.COMMUNICATION, Kind.SAMPLE):
+                continue
             if number not in self._series:
                 self._series[number] = _Series(self.channels[number])
-            self._series[number].add(data, group, is_sample=is_sample)
+            self._series[number].add(data, group, is_sample=kind == Kind.SAMPLE)
 
 
 class _Series:
@@ -187,34 +190,40 @@ class _Series:
 
     def __init__(self, channel: Channel) -> None:
         self._channel = channel
-        self._passed = bytearray(), bytearray()
-        self._samples = bytearray(), bytearray()
+        self._passed: list[tuple[numpy.ndarray, numpy.ndarray]] = []
+        self._samples: list[tuple[numpy.ndarray, numpy.ndarray]] = []
 
     def add(self, data: bytes, positions: numpy.ndarray, *, is_sample: bool) -> None:
         """Add the records at these rows."""
         import numpy
 
         words = numpy.frombuffer(data, numpy.int64).reshape(-1, SIZE // 8)
-        times, values = self._samples if is_sample else self._passed
-        times += words[positions, 1].tobytes()
-        first = words[positions, 3]
-        if self._channel.size == 8:
-            values += first.tobytes()
-            return
-        parts = [first.view(numpy.uint8).reshape(-1, 8)]
-        if self._channel.continuations:
+        values = words[positions, 3]
+        if self._channel.size != values.itemsize:
+            parts = [values.view(numpy.uint8).reshape(-1, 8)]
             payloads = numpy.frombuffer(data, numpy.uint8).reshape(-1, SIZE)[:, _PAYLOAD]
             parts += [payloads[positions + row] for row in range(1, self._channel.continuations + 1)]
-        values += numpy.concatenate(parts, axis=1)[:, : self._channel.size].tobytes()
+            values = numpy.ascontiguousarray(numpy.concatenate(parts, axis=1)[:, : self._channel.size]).reshape(-1)
+        added = words[positions, 1], numpy.frombuffer(values, numpy_type(self._channel.type))
+        (self._samples if is_sample else self._passed).append(added)
 
     def history(self) -> History:
         """The history of the channel: of a sampled input its samples, of any other what was passed."""
         import numpy
 
-        is_sampled = bool(self._samples[0])
-        times, values = self._samples if is_sampled else self._passed
-        raw = numpy.frombuffer(values, numpy_type(self._channel.type))
+        is_sampled = bool(self._samples)
+        times, raw = _joined(self._samples if is_sampled else self._passed)
         wanted = column([], self._channel.type).dtype
         found = raw if raw.dtype == wanted and wanted.names is None else raw.astype(wanted)
-        read = numpy.frombuffer(self._passed[0] if is_sampled else b"", numpy.int64)
-        return History(numpy.frombuffer(times, numpy.int64), found, read, is_sampled)
+        read = _joined(self._passed)[0] if is_sampled and self._passed else numpy.empty(0, numpy.int64)
+        return History(times, found, read, is_sampled)
+
+
+def _joined(parts: list[tuple[numpy.ndarray, numpy.ndarray]]) -> tuple[numpy.ndarray, numpy.ndarray]:
+    """The instants and the values of one series, which has some."""
+    import numpy
+
+    if len(parts) > 1:
+        times, values = zip(*parts, strict=True)
+        parts[:] = [(numpy.concatenate(times), numpy.concatenate(values))]
+    return parts[0]

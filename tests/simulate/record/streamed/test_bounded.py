@@ -39,8 +39,8 @@ def test_a_longer_run_keeps_no_more(
     command = ["run", str(tmp_path / "main.csp"), "--quiet", "--record", str(tmp_path / f"run.{ending}"), *options]
     assert main([*command, "--for", "100s"]) == 0
     assert sum(taken) == 200_000
-    assert max(taken) <= 1 << 16
-    assert len(taken) > 3
+    assert max(taken) <= 3 << 15, "two megabytes of rows, and one that was just read"
+    assert len(taken) >= 3
 
 
 class _Full:
