@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from queue import SimpleQueue
 from threading import Thread
 
 
@@ -26,6 +28,27 @@ def end_with(lifeline: int, end: Callable[[], object] = _terminate) -> None:
             pass
         end()
 
+    _meanwhile(wait)
+
+
+def lines_of_input() -> Iterator[str]:
+    """The lines of standard input, without end: this process ends with that input, as by SIGTERM, whatever it is doing
+    with a line.
+    """
+    lines: SimpleQueue[str] = SimpleQueue()
+
+    def read() -> None:
+        for line in sys.stdin:
+            lines.put(line)
+        _terminate()
+
+    _meanwhile(read)
+    while True:
+        yield lines.get()
+
+
+def _meanwhile(wait: Callable[[], None]) -> None:
+    """Wait in a thread of its own."""
     thread = Thread(target=wait, name="lifeline", daemon=True)
     if not hasattr(signal, "pthread_sigmask"):
         thread.start()

@@ -6,6 +6,7 @@ import errno
 import os
 import stat
 import sys
+from collections.abc import Mapping
 
 from cspdiag.base.record import record
 from cspdiag.base.span import LINE_END, SourceFile, with_line_feeds
@@ -59,6 +60,17 @@ def read_whole(path: str) -> tuple[SourceFile, str]:
     """The same, and all characters of the file."""
     data = _read(path)
     return SourceFile(name=path, text=decoded(data, path)), data.decode("utf-8")
+
+
+def given_source(name: str, texts: Mapping[str, str | None]) -> SourceFile:
+    """A file of a program whose texts come from another process, None for those that it could not read.
+
+    Raises OSError for these: only that process knows what is open in the editor, and up to which size it reads files.
+    """
+    text = texts.get(name)
+    if text is None:
+        raise OSError(errno.EIO, "it could not be read", name)
+    return SourceFile(name=name, text=text)
 
 
 def _read(path: str) -> bytes:

@@ -92,6 +92,12 @@ class View:
         """The files of the program by name, the main one first."""
         return {tree.source.name: tree.source for tree in self.program.trees}
 
+    @property
+    def files(self) -> dict[str, str | None]:
+        """The texts of all files of the program by name, None for those that could not be read."""
+        assert self.program is not None  # It has read them.
+        return {**self.texts, self.main.name: self.main.text}
+
     def occurrences(self, name: str) -> Occurrences:
         """The names in a file of the program."""
         known = self._occurrences.get(name)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, assert_never
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.parent import end_with_input
+from cspdiag.base.sources import given_source, read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.editing.proved import Proved
 
@@ -33,8 +34,10 @@ class ProvingError(CspdiagError):
     """Nothing can be proved; the text says why."""
 
 
-async def prove(main: SourceFile, texts: Mapping[str, str], start: int) -> list[Proved]:
-    """Answer the assertion that begins at an offset, given all texts of the program. Raises ProvingError."""
+async def prove(main: SourceFile, texts: Mapping[str, str | None], start: int) -> list[Proved]:
+    """Answer the assertion that begins at an offset, given all texts of the program, None for those that could not be
+    read. Raises ProvingError.
+    """
     request = {
         "path": sys.path,
         "main": main.name,
@@ -89,11 +92,8 @@ def _answers(request: Mapping[str, object]) -> list[Proved] | str:
     assert isinstance(texts, dict)
 
     def read(name: str) -> SourceFile:
-        if name not in texts:
-            from cspdiag.base.sources import read_source
-
-            return read_source(name)
-        return SourceFile(name=name, text=texts[name])
+        # What is not in the program itself is what it calls.
+        return given_source(name, texts) if name in texts else read_source(name)
 
     obligations = proof_obligations(read(main), read)
     if obligations.checked.report.has_errors:

@@ -252,15 +252,15 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
 async def _diagram(ls: CspdiagServer, params: Any) -> dict[str, Any] | None:
     """A diagram of an open program, as docs/editors.md describes it."""
     uri = params.textDocument.uri
-    document = ls.document(uri)
-    if document is None:
+    view = ls.view(uri)
+    if view is None:
         return {"problem": "the file is not open, or too large"}
     wanted = {name: getattr(params, name, None) for name in ("process", "which", "format", "scheme")}
     position = getattr(params, "position", None)
-    offset = None if position is None else ls.session.positions.offset(document.source, position)
+    offset = None if position is None else ls.session.positions.offset(view.main, position)
     request = {
-        "main": document.source.name,
-        "texts": {each.source.name: each.source.text for each in ls.session.documents},
+        "main": view.main.name,
+        "texts": view.files,
         "encoding": ls.session.positions.encoding,
         "offset": offset,
         **{name: value for name, value in wanted.items() if value is not None},

@@ -166,8 +166,7 @@ class CspdiagServer(LanguageServer):
             if before is view:
                 return await asyncio.shield(running)
             running.cancel()
-        texts = {name: text for name, text in view.texts.items() if text is not None}
-        proof = prove(view.main, texts, assertion.span.start)
+        proof = prove(view.main, view.files, assertion.span.start)
         detail = f"for at most {TIME_LIMIT:g} s"
         task = asyncio.create_task(with_progress(self, f"Verifying `{words}`", detail, proof))
         self._proofs[key] = view, task

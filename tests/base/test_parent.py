@@ -17,6 +17,14 @@ print("working", flush=True)
 time.sleep(1000)
 """
 
+BY_LINES = """
+import time
+from cspdiag.base.parent import lines_of_input
+for line in lines_of_input():
+    print(line, end="", flush=True)
+    time.sleep(1000)
+"""
+
 PARENT = f"""
 import subprocess, sys, threading
 
@@ -53,5 +61,16 @@ def test_it_is_asked_to_end_as_by_sigterm() -> None:
         assert child.stdin is not None
         assert child.stdout is not None
         assert child.stdout.readline() == b"working\n"
+        child.stdin.close()
+        assert child.wait(60) == -signal.SIGTERM
+
+
+def test_it_ends_while_it_works_on_a_line_of_its_input() -> None:
+    with subprocess.Popen([sys.executable, "-c", BY_LINES], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
+        assert child.stdin is not None
+        assert child.stdout is not None
+        child.stdin.write(b"first\nsecond\n")
+        child.stdin.flush()
+        assert child.stdout.readline() == b"first\n"
         child.stdin.close()
         assert child.wait(60) == -signal.SIGTERM

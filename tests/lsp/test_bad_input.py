@@ -47,6 +47,7 @@ async def test_nor_is_a_file_that_imports_one(client: Client, tmp_path: Path) ->
     (tmp_path / "large.csp").write_text("const a = 1\n" * 800_000)
     found = await Editor(client, tmp_path).open("main.csp", 'import "large.csp"\nconst b = a§\n')
     assert f"it has 9600000 characters, more than the {MAX_CHARACTERS}" in described(found)
+    assert f"the file is {tmp_path}/large.csp" in described(found)
 
 
 async def test_changes_during_a_check_are_checked_once(tmp_path: Path) -> None:

@@ -123,6 +123,43 @@ async def test_a_file_that_is_not_open_has_none(client: Client, tmp_path: Path) 
     assert (await diagram(client, editor))["problem"] == "the file is not open, or too large"
 
 
+@pytest.mark.parametrize(
+    ("wanted", "problem"),
+    [
+        ({"which": "nonsense"}, '`which` is communication, composition or both, not "nonsense"'),
+        ({"format": "gif"}, '`format` is svg, png or pdf, not "gif"'),
+        ({"format": "svg", "scheme": "pink"}, '`scheme` is light, dark or auto, not "pink"'),
+        ({"which": 5}, "`which` is communication, composition or both, not 5"),
+    ],
+)
+async def test_unknown_values_are_refused(
+    client: Client, tmp_path: Path, wanted: dict[str, object], problem: str
+) -> None:
+    editor = Editor(client, tmp_path)
+    await editor.open("pipe.csp", PIPE)
+    assert (await diagram(client, editor, **wanted))["problem"] == problem
+    await editor.close()
+
+
+async def test_an_import_that_the_server_does_not_read_is_not_drawn_either(client: Client, tmp_path: Path) -> None:
+    (tmp_path / "large.csp").write_text("submodel Law { in a : double out b : double b = a }\n" * 100_000)
+    editor = Editor(client, tmp_path)
+    await editor.open("main.csp", f'import "large.csp"\n{PIPE}')
+    assert (await diagram(client, editor))["name"] == "Pipe"
+    await editor.close()
+
+
+async def test_an_import_is_drawn_as_it_is_in_the_editor_under_any_name(client: Client, tmp_path: Path) -> None:
+    (tmp_path / "pipe.csp").write_text(PIPE)
+    (tmp_path / "same.csp").symlink_to(tmp_path / "pipe.csp")
+    editor = Editor(client, tmp_path)
+    await editor.open("pipe.csp", PIPE.replace("Pipe", "Tube"))
+    main = 'import "same.csp"\nprocess Main { communication { tube : Tube } composition { tube } }\n'
+    assert await editor.open("main.csp", main) == []
+    assert "fill-error" not in (await diagram(client, editor))["svg"]
+    await editor.close()
+
+
 async def test_of_requests_that_wait_the_latest_is_drawn() -> None:
     drawer = Drawer()
     request = {"main": "pipe.csp", "texts": {"pipe.csp": PIPE}}
@@ -143,6 +180,16 @@ async def test_a_process_that_ends_is_started_again() -> None:
     assert (await drawer.draw("pipe", request) or {})["name"] == "Pipe"
     with pytest.raises(DrawingError, match="has ended"):
         await drawer.draw("pipe", {"nothing": "known"})
+    assert (await drawer.draw("pipe", request) or {})["name"] == "Pipe"
+    await drawer.close()
+
+
+async def test_a_picture_that_takes_too_long_does_not_delay_others() -> None:
+    drawer = Drawer(time_limit=0.01)
+    request = {"main": "pipe.csp", "texts": {"pipe.csp": PIPE}}
+    with pytest.raises(DrawingError, match=r"too large: it was not drawn within 0\.01 s"):
+        await drawer.draw("pipe", request)
+    drawer._time_limit = 60
     assert (await drawer.draw("pipe", request) or {})["name"] == "Pipe"
     await drawer.close()
 

@@ -5,18 +5,21 @@ from __future__ import annotations
 import json
 import sys
 from base64 import b64encode
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, get_args
 
 from cspdiag.base.errors import CspdiagError
-from cspdiag.base.record import EMPTY, record
-from cspdiag.base.sources import read_source
+from cspdiag.base.parent import lines_of_input
+from cspdiag.base.record import record
+from cspdiag.base.sources import given_source
 from cspdiag.base.span import SourceFile, Span
 from cspdiag.draw.elements.communication import Drawn
 from cspdiag.draw.elements.diagram import Box, CommunicationDiagram
 from cspdiag.draw.layout import engine
+from cspdiag.draw.output.formats import FORMATS, rendered
 from cspdiag.draw.output.svg import embedded_svg, identifiers
 from cspdiag.draw.pictures import PictureOptions, Pictures, Which
+from cspdiag.draw.scene.palette import Scheme
 from cspdiag.draw.scene.shapes import Scene
 from cspdiag.editing.positions import Encoding
 from cspdiag.lsp.positions import Positions
@@ -25,14 +28,14 @@ from cspdiag.pipeline import Checked, check
 
 @record
 class Request:
-    """A diagram of a program, of which all files that are open are given as ``texts``.
+    """A diagram of a program, of which all files are given as ``texts``, None for those that could not be read.
 
     It is that of ``process``, or else of the definition around ``offset``, or else of the outermost process. With
     ``format`` (``svg``, ``png``, ``pdf``) it is wanted as a file, in the colours of ``scheme``.
     """
 
     main: str
-    texts: Mapping[str, str] = EMPTY
+    texts: Mapping[str, str | None]
     encoding: Encoding = "utf-16"
     process: str | None = None
     offset: int | None = None
@@ -42,12 +45,14 @@ class Request:
 
 
 def serve() -> None:
-    """Answer each line of the standard input, a request as JSON, by one line of the standard output."""
+    """Answer each line of the standard input, a request as JSON, by one line of the standard output, until the input
+    ends.
+    """
     output = sys.stdout
     # Whatever the compiler prints does not belong to an answer.
     sys.stdout = sys.stderr
     engine.start()
-    for line in sys.stdin:
+    for line in lines_of_input():
         output.write(json.dumps(answer(Request(**json.loads(line)))) + "\n")
         output.flush()
 
@@ -56,14 +61,29 @@ def answer(request: Request) -> dict[str, Any]:
     """The diagram as an object of JSON; ``problem`` says why there is none."""
 
     def read(name: str) -> SourceFile:
-        text = request.texts.get(name)
-        return read_source(name) if text is None else SourceFile(name=name, text=text)
+        return given_source(name, request.texts)
 
+    unknown = _unknown(request)
+    if unknown is not None:
+        return {"problem": unknown}
     checked = check(read(request.main), read)
     try:
         return _drawn(request, checked)
     except CspdiagError as problem:
         return {"problem": str(problem)}
+
+
+def _unknown(request: Request) -> str | None:
+    """What a request has that is none of the values there are."""
+    allowed: tuple[tuple[str, object, Sequence[str]], ...] = (
+        ("which", request.which, get_args(Which)),
+        ("format", request.format, FORMATS),
+        ("scheme", request.scheme, [scheme.value for scheme in Scheme]),
+    )
+    for name, value, values in allowed:
+        if value is not None and value not in values:
+            return f"`{name}` is {', '.join(values[:-1])} or {values[-1]}, not {json.dumps(value)}"
+    return None
 
 
 def _drawn(request: Request, checked: Checked) -> dict[str, Any]:
@@ -76,8 +96,6 @@ def _drawn(request: Request, checked: Checked) -> dict[str, Any]:
         return {"problem": f"{'' if checked.program is not None else syntax}there is no process to draw"}
     scene = pictures.scene(definition, PictureOptions(which=request.which))
     if request.format is not None:
-        from cspdiag.draw.output.formats import rendered
-
         return {"data": b64encode(rendered([scene], request.format, request.scheme)).decode()}
     positions = Positions(request.encoding)
     return {

@@ -17,6 +17,8 @@ _PROGRAM = (
 )
 _LONGEST_LINE = 1 << 30
 """Bytes of an answer."""
+TIME_LIMIT = 20.0
+"""Seconds for one picture, so that it does not keep others waiting."""
 
 
 class DrawingError(CspdiagError):
@@ -26,10 +28,12 @@ class DrawingError(CspdiagError):
 class Drawer:
     """Draws one picture after the other, in a process that starts with the first and ends with the server.
 
-    Of several requests that wait under one name only the latest is drawn.
+    Of several requests that wait under one name only the latest is drawn. A picture that takes longer than
+    ``time_limit`` seconds is given up.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, time_limit: float = TIME_LIMIT) -> None:
+        self._time_limit = time_limit
         self._process: asyncio.subprocess.Process | None = None
         self._lock = asyncio.Lock()
         self._latest: dict[str, int] = {}
@@ -39,7 +43,7 @@ class Drawer:
     async def draw(self, name: str, request: Mapping[str, object]) -> dict[str, Any] | None:
         """The answer of ``cspdiag.lsp.pictures.drawn``; None if there is a later request under this name.
 
-        Raises DrawingError if the process ends.
+        Raises DrawingError if the process ends, or takes too long.
         """
         number = self._latest[name] = self._latest.get(name, 0) + 1
         # An exchange that has begun is finished, also if the editor no longer waits for it: answers have no names.
@@ -67,10 +71,19 @@ class Drawer:
         assert process.stdin is not None
         assert process.stdout is not None
         line = b""
-        with suppress(ConnectionError):
-            process.stdin.write(json.dumps(request).encode() + b"\n")
-            await process.stdin.drain()
-            line = await process.stdout.readline()
+        try:
+            async with asyncio.timeout(self._time_limit):
+                process.stdin.write(json.dumps(request).encode() + b"\n")
+                await process.stdin.drain()
+                line = await process.stdout.readline()
+        except ConnectionError:
+            pass  # It has ended.
+        except TimeoutError:
+            self._process = None
+            with suppress(ProcessLookupError):
+                process.kill()
+            await process.wait()
+            raise DrawingError(f"it is too large: it was not drawn within {self._time_limit:g} s") from None
         if not line.endswith(b"\n"):
             self._process = None
             raise DrawingError("the process that draws has ended; its messages are in the log of the server")

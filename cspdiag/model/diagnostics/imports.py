@@ -18,7 +18,9 @@ class UnreadableImport(ImportFailure):
     title = "an import that cannot be read"
 
     path: str
-    looked_for: str
+    file: str
+    missing: bool
+    """Whether there is no such file."""
     reason: str
 
     @property
@@ -27,7 +29,9 @@ class UnreadableImport(ImportFailure):
 
     @property
     def help(self) -> str:
-        return f"paths are relative to the importing file; looked for {self.looked_for}"
+        if self.missing:
+            return f"paths are relative to the importing file; looked for {self.file}"
+        return f"the file is {self.file}"
 
 
 @record

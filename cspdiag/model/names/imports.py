@@ -61,13 +61,15 @@ def _open(name: str, statement: ast.Import, read: Callable[[str], SourceFile], r
             report.add(UnknownLibrary(statement.span, library=statement.library))
             return None
         return SourceFile(name=name, text=text)
+    missing = False
     try:
         return read(name)
     except OSError as error:
+        missing = isinstance(error, FileNotFoundError | NotADirectoryError)
         reason = error.strerror or str(error)
     except UnicodeDecodeError:
         reason = "it is not a text file"
     except ValueError as error:
         reason = str(error)
-    report.add(UnreadableImport(statement.span, path=statement.path or "", looked_for=name, reason=reason))
+    report.add(UnreadableImport(statement.span, path=statement.path or "", file=name, missing=missing, reason=reason))
     return None
