@@ -21,7 +21,7 @@ PACKAGE = Path(cspdiag.__file__).parent
 CAUGHT_INSIDE = {
     "UndefinedError", "OutOfRangeError", "NoPartError", "EvaluationFault", "NeedsLoad", "Restart", "TransitionError",
     "LimitError", "SolverTimeoutError", "TooLargeError", "NoSuchElementError", "UnboundedError", "AstrayError",
-    "NotStaticError", "NoElementError", "NoValueError", "UnknownError", "NoResultError", "UsageError",
+    "NotStaticError", "NoFormError", "NoElementError", "NoValueError", "UnknownError", "NoResultError", "UsageError",
     "RaisedError", "CancelledError", "DeclaredError", "FaultError", "MissedSampleError", "FailureError",
 }  # fmt: skip
 """What the callers always catch: the command line catches UsageError, LimitError is not an ``Exception``, and the

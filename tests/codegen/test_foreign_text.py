@@ -24,6 +24,7 @@ from cspdiag.codegen.python.text.literals import docstring, quoted, remark
 from cspdiag.codegen.shared.package_text import markdown, markdown_code, toml_string
 from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native.build import find_compiler
+from tests.codegen.c.test_golden import BUILD
 from tests.codegen.hostile import FILE_NAMES, TEXTS, program
 from tests.codegen.skeleton import docstrings, skeleton
 
@@ -42,9 +43,11 @@ def network(text: str, file: str) -> Network:
 
 
 def generated(text: str, target: str, level: int, file: str = "project/plain.csp") -> Mapping[str, str]:
-    """The files of a package, except those that are the same in every package."""
+    """The files of a package, except those that are the same in every package, without the identity of the build."""
     files = pipeline.generate(network(text, file), nothing, target, level)
-    return {path: text for path, text in files.items() if not {"runtime", "support"} & set(path.split("/"))}
+    return {
+        path: BUILD.sub("", text) for path, text in files.items() if not {"runtime", "support"} & set(path.split("/"))
+    }
 
 
 @cache

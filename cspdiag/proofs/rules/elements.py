@@ -10,7 +10,7 @@ from cspdiag.proofs.rules.marked_graph import Place
 from cspdiag.proofs.transitions.systems.system import Event, System
 
 
-class NoSuchForm(Exception):  # noqa: N818 - it is no error
+class NoFormError(Exception):
     """The network is not one that a rule about many elements is about."""
 
 
@@ -61,10 +61,10 @@ class Elements:
         return Kind(instance, part), int(index or 0)
 
     def joint(self, event: Event) -> Joint:
-        """The joint of a communication of two components. Raises NoSuchForm."""
+        """The joint of a communication of two components. Raises NoFormError."""
         match = self._name.fullmatch(event.channel)
         if {*event.roles} != {"!", "?"} or match is None:
-            raise NoSuchForm
+            raise NoFormError
         writer, reader = sorted(event.parties, key=event.role)
         (writes, at), (reads, other) = self.kinds[writer], self.kinds[reader]
         instance, _, port = match.groups()
@@ -72,7 +72,7 @@ class Elements:
         if joint not in self._apart:
             self._apart[joint] = self._distance(joint)
         if self._apart[joint] is None and at != other:
-            raise NoSuchForm
+            raise NoFormError
         return joint
 
     def place(self, before: End, after: End) -> Place:
@@ -84,7 +84,7 @@ class Elements:
     def _distance(self, joint: Joint) -> tuple[int, int] | None:
         """By how much the index of the reader is more than that of the writer; None for parts of one element.
 
-        Raises NoSuchForm.
+        Raises NoFormError.
         """
         found = [
             each
@@ -96,4 +96,4 @@ class Elements:
             return min(each.least for each in found), max(each.most for each in found)
         if joint.writer.instance == joint.reader.instance:
             return None
-        raise NoSuchForm
+        raise NoFormError

@@ -19,7 +19,7 @@ from cspdiag.network.elaborate.fewer.joined import Joined, joined_elements
 from cspdiag.network.elaborate.fewer.varying import Varying
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.rules.deadlock import is_settled
-from cspdiag.proofs.rules.elements import Elements, End, Kind, NoSuchForm
+from cspdiag.proofs.rules.elements import Elements, End, Kind, NoFormError
 from cspdiag.proofs.rules.many_loops import all_loops_end, interchangeable_parts, parts_of_elements
 from cspdiag.proofs.rules.marked_graph import Place, has_no_circle, order_of_events
 from cspdiag.proofs.structure.pairs import Shape, Structure
@@ -74,7 +74,7 @@ def _by_marked_graph(
         return None
     try:
         places = _Places(system, definition.name.text, joined).found()
-    except NoSuchForm:
+    except NoFormError:
         return None
     if not has_no_circle(places):
         return None
@@ -97,7 +97,7 @@ def _by_loops(program: Program, varying: Varying, definition: ast.ProcessDefinit
         try:
             elements = None if joined is None else Elements(system, definition.name.text, joined)
             proved = elements is not None and all_loops_end(parts_of_elements(system, elements), elements.place)
-        except NoSuchForm:
+        except NoFormError:
             proved = False
     else:
         proved = are_interchangeable(program, varying) and all_loops_end(interchangeable_parts(system))
@@ -140,7 +140,7 @@ class _Places:
     def found(self) -> list[Place]:
         """The places between events that components do one after the other, the first one after the last one aside.
 
-        Raises NoSuchForm.
+        Raises NoFormError.
         """
         ends = self._ends()
         found: dict[Place, None] = {}
@@ -161,7 +161,7 @@ class _Places:
             order = () if ends else order_of_events(shape)
             is_alike = shapes.setdefault(kind, shape) is shape
             if order is None or len(order) != len(events) or not is_alike or not component.process:
-                raise NoSuchForm
+                raise NoFormError
             orders[kind] = order
         return orders
 
@@ -172,7 +172,7 @@ class _Places:
             if len(event.parties) == 1 or not roles:
                 continue
             if len(roles) != 2:
-                raise NoSuchForm
+                raise NoFormError
             numbers, joint = dict(roles), self.elements.joint(event)
             for party in event.parties:
                 kind, _ = self.elements.kinds[party]

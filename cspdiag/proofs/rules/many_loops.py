@@ -62,7 +62,7 @@ class Parts:
 
 
 def parts_of_elements(system: System, elements: Elements) -> Parts:
-    """The components of elements that are joined to certain others. Raises ``elements.NoSuchForm``."""
+    """The components of elements that are joined to certain others. Raises ``elements.NoFormError``."""
     joints = {number: elements.joint(event) for number, event in _shared(system)}
     return _parts(system, lambda number, writes: End(joints[number], writes))
 

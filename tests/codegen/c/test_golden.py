@@ -11,7 +11,7 @@ from cspdiag import pipeline
 from tests.codegen.packages import network, read
 from tests.codegen.test_golden import GOLDEN, stored
 
-BUILD = re.compile(r'(?<=static const char build\[\] = ")[0-9a-f]{8}')
+BUILD = re.compile(r"(?<=static const uint32_t build = UINT32_C\(0x)[0-9a-f]{8}")
 """The identity of a build, which changes with the kernel."""
 
 

@@ -22,7 +22,7 @@ struct commstime_instance {
 typedef char commstime_size_suffices[(sizeof(commstime_instance) <= COMMSTIME_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
-static const uint32_t build = UINT32_C(0x0264711e);
+static const uint32_t build = UINT32_C(0x00000000);
 
 /* ---- The hooks of the kernel ---- */
 

@@ -24,7 +24,7 @@ struct jiwy_instance {
 typedef char jiwy_size_suffices[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
-static const uint32_t build = UINT32_C(0x9d237b30);
+static const uint32_t build = UINT32_C(0x00000000);
 
 static bool read_joystick_horizontal(void *device, void *value)
 {
