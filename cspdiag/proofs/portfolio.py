@@ -120,7 +120,10 @@ def _share(limits: Limits, methods: int) -> Limits:
 def _together(unknown: Sequence[Unknown]) -> Unknown:
     """One verdict with the reasons of all methods, and the candidate of the last one that has a candidate."""
     last = next((verdict for verdict in reversed(unknown) if verdict.candidate is not None), unknown[-1])
-    return replaced(last, reason="; ".join(f"{verdict.method}: {verdict.reason}" for verdict in unknown))
+    methods: dict[str, list[str]] = {}
+    for verdict in unknown:
+        methods.setdefault(verdict.reason, []).append(verdict.method)
+    return replaced(last, reason="; ".join(f"{', '.join(names)}: {reason}" for reason, names in methods.items()))
 
 
 def _shortened(question: StuckQuestion, verdict: Verdict, limits: Limits) -> Verdict:

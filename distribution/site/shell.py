@@ -14,7 +14,7 @@ _LIMIT = 300
 """Seconds that the commands of a block may take."""
 
 _TIMES = (
-    (re.compile(r"^(\w+ +.*\([\w -]+), [\d.e-]+ s\)$", re.MULTILINE), r"\1)"),
+    (re.compile(r"^([A-Z]+ +\S.*), [\d.e-]+ s\)$", re.MULTILINE), r"\1)"),
     (re.compile(r"^(\d+ (?:propert|assertion).*) in [\d.e-]+ s$", re.MULTILINE), r"\1"),
     (re.compile(r"^(  simulated [\d.]+ \w+) in .*$", re.MULTILINE), r"\1"),
 )

@@ -9,6 +9,7 @@ import { chosen } from "./engine/transports";
 import { Generate } from "./generate/generate";
 import { button, element, options, settled } from "./page/dom";
 import { markdown } from "./page/markdown";
+import { splitter } from "./page/splitter";
 import { theme } from "./page/theme";
 import { viewers } from "./page/viewers";
 import { tabs } from "./page/views";
@@ -22,6 +23,8 @@ import { Session } from "./run/session";
 /** Milliseconds without a key until the program is checked and drawn, and until the address holds it. */
 const PAUSE = 150;
 const KEEPING = 500;
+/** Names the program of the engine in the list of examples, which has no such name. */
+const OWN = "/";
 
 const status = element("engine", HTMLElement);
 const models = element("models", HTMLSelectElement);
@@ -101,6 +104,7 @@ function fix({ edits }: Fix): void {
     showFile(file);
     editor.change(edits.filter((edit) => edit.place.file === file));
   }
+  editor.focus();
 }
 
 async function explain(code: string): Promise<void> {
@@ -154,9 +158,11 @@ async function check(): Promise<void> {
 
 const checkSoon = settled(PAUSE, () => void check());
 
-async function load(program: Program): Promise<void> {
+/** Shows a program, which is called so in the list of examples if it is in that. */
+async function load(program: Program, name = ""): Promise<void> {
+  models.value = name;
+  saving.opens(name === OWN);
   workspace.open(program);
-  models.value = "name" in program && typeof program.name === "string" ? program.name : "";
   say(message, "");
   editor.clear();
   editor.show(program.main, program.files[program.main] ?? "");
@@ -165,14 +171,14 @@ async function load(program: Program): Promise<void> {
   await run.opened();
 }
 
-async function open(program: Program): Promise<void> {
-  await load(program);
+async function open(program: Program, name = ""): Promise<void> {
+  await load(program, name);
   await check();
 }
 
 /** The address holds what is written, so it is still there when the page is loaded again; not files of the machine, which are saved. */
 async function keep(): Promise<void> {
-  if (workspace.edited && !saving.offered) {
+  if (workspace.edited && !saving.shown) {
     const address = await encoded(workspace.program);
     try {
       history.replaceState(null, "", address);
@@ -194,15 +200,21 @@ async function share(): Promise<void> {
   }
 }
 
-function offer(known: readonly Model[]): void {
-  options(models, [["", "Examples"], ...known.map((model) => [model.name, model.title] as const)]);
+/** Offers the examples, and the program of the engine, with what was written into it. */
+function offer(known: readonly Model[], own: Program | undefined): void {
+  const file = own === undefined ? [] : [[OWN, own.main] as const];
+  options(models, [["", "Examples"], ...file, ...known.map((model) => [model.name, model.title] as const)]);
   models.addEventListener("change", () => {
-    const model = known.find((each) => each.name === models.value);
+    const name = models.value;
+    if (saving.shown) {
+      own = workspace.program;
+    }
+    const model = name === OWN ? own : known.find((each) => each.name === name);
     if (model !== undefined) {
       // The way back leads to what was written before.
       void keep().then(() => {
         history.pushState(null, "", location.pathname + location.search);
-        return open(model);
+        return open(model, name);
       });
     }
   });
@@ -225,15 +237,21 @@ async function opened({ models: known, program, running, able }: Hello): Promise
     return;
   }
   let linked: Program | undefined;
+  let problem = "";
   try {
     linked = await decoded(location.hash);
-  } catch (problem) {
-    report(inWords(problem));
+  } catch (damaged) {
+    problem = inWords(damaged);
   }
-  const first = linked ?? program ?? known.find((model) => model.name === "jiwy") ?? known[0];
-  if (first !== undefined) {
-    await open(first);
+  const example = known.find((model) => model.name === "jiwy") ?? known[0];
+  if (linked !== undefined) {
+    await open(linked);
+  } else if (program != null) {
+    await open(program, OWN);
+  } else if (example !== undefined) {
+    await open(example, example.name);
   }
+  say(message, problem);
 }
 
 function listen(): void {
@@ -258,6 +276,7 @@ function listen(): void {
       act();
     }
   });
+  splitter(element("splitter", HTMLElement), layout);
   theme(() => run.repaint());
   showPart("text");
   showSide("run");
@@ -269,7 +288,7 @@ async function begin(): Promise<void> {
   try {
     const hello = await engine.request("hello", {});
     say(status, hello.engine === "machine" ? `On this machine · ${hello.version}` : `In this browser · ${hello.version}`);
-    offer(hello.models);
+    offer(hello.models, hello.able?.["save"] === true ? (hello.program ?? undefined) : undefined);
     generate.offer(hello.targets ?? []);
     run.able(hello.able ?? {}, hello.recordings ?? []);
     proofs.canCancel = hello.viewers !== undefined;

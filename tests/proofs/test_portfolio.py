@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from cspdiag.proofs import verdict
+from cspdiag.proofs import portfolio, verdict
 from cspdiag.proofs.portfolio import METHODS, prove_deadlock_free, prove_knot_free
 from cspdiag.proofs.sat import solver as sat_solver
 from cspdiag.proofs.structure.pairs import Structure
@@ -95,6 +95,11 @@ def test_without_a_solver_the_searches_answer_and_say_so(monkeypatch: pytest.Mon
     assert verdict.method == "stubborn"
     assert verdict.reason.endswith("no SAT solver is installed (pip install 'cspdiag[verify]')")
     assert isinstance(prove_knot_free(known.philosophers(4), Limits()), Refuted)
+
+
+def test_a_reason_that_several_methods_have_is_said_once() -> None:
+    unknown = [Unknown("sat", "no solver"), Unknown("stubborn", "too many states"), Unknown("invariants", "no solver")]
+    assert portfolio._together(unknown).reason == "sat, invariants: no solver; stubborn: too many states"
 
 
 def test_what_no_method_settles_in_time_is_unknown_with_the_reasons_and_the_candidate() -> None:

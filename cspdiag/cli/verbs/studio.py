@@ -23,12 +23,14 @@ def run(arguments: Namespace) -> int:
     from pathlib import Path
 
     from cspdiag.base.files.resources import studio_page
+    from cspdiag.base.sources import read_source
 
     file = Path(arguments.file)
     if not file.is_file():
         raise UsageError(f"{file}: there is no such file")
     if not 0 <= arguments.port < 65536:
         raise UsageError(f"--port {arguments.port}: ports are 1 to 65535")
+    read_source(str(file))
     page = studio_page()
     if page is None:
         raise NoResultError("the page of the studio is not built: make studio, which needs node and npm")

@@ -98,6 +98,8 @@ def _check_variable(program: Program, reference: ast.Reference, report: Report, 
     found = program.types.get(reference, UNKNOWN)
     if read is not None:
         advice = f"declare `var value : {found}` and write `{read}`"
+    elif isinstance(symbol, PortSymbol) and symbol.declaration.direction == "in":
+        advice = f"read it into a variable by `{reference.span.text} ? value`"
     elif isinstance(symbol, PortSymbol | ast.Channel):
         advice = f"write it by `{reference.span.text} ! value`"
     else:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias
 
-MISSING = "no SAT solver is installed (pip install 'cspdiag[verify]')"
+_IN_BROWSER = sys.platform == "emscripten"
+MISSING = (
+    "there is no SAT solver in the browser"
+    if _IN_BROWSER
+    else "no SAT solver is installed (pip install 'cspdiag[verify]')"
+)
 
 Clause: TypeAlias = list[int]
 """A disjunction of literals: the positive number of a variable, or its negation."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from starlette.applications import Starlette
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import PlainTextResponse, RedirectResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -41,7 +42,15 @@ def application(room: Room, access: Access, first: SingleUse, page: Path) -> Sta
     async def opened(request: Request) -> Response:
         if first.use(request.query_params.get("once", "")):
             return RedirectResponse(f"/?token={access.token}", 303)
-        return PlainTextResponse("This link was used before. The terminal shows one that can be used again.", 403)
+        return _refused("This link was used before. The terminal shows one that can be used again.")
+
+    async def page_of_link(request: Request) -> Response:
+        if access.knows_token(request.query_params.get("token", "")):
+            return FileResponse(page / "index.html")
+        return _refused(
+            "This is not the link of the studio that runs now: each start has a new one. Open the link that is in the "
+            "terminal in which `cspdiag studio` runs, and copy it as a whole."
+        )
 
     async def engine(socket: WebSocket) -> None:
         allowed = access.knows_host(socket.headers) and access.knows_origin(socket.headers)
@@ -54,10 +63,23 @@ def application(room: Room, access: Access, first: SingleUse, page: Path) -> Sta
     routes = [
         WebSocketRoute("/engine", engine),
         Route("/open", opened),
+        Route("/", page_of_link),
+        Route("/index.html", page_of_link),
         Mount("/", StaticFiles(directory=page, html=True)),
     ]
     guard = Middleware(_GuardedFiles, access=access)
     return Starlette(routes=routes, middleware=[guard])
+
+
+def _refused(reason: str) -> Response:
+    """A page that says why there is no studio, and what to do."""
+    style = "font: 16px/1.5 system-ui, sans-serif; max-width: 34em; margin: 15vh auto; padding: 0 1em"
+    return HTMLResponse(
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+        f'<meta name="color-scheme" content="light dark"><title>cspdiag studio</title>'
+        f'<body style="{style}"><h1>cspdiag studio</h1><p>{escape(reason)}</p></body></html>',
+        403,
+    )
 
 
 class _GuardedFiles:

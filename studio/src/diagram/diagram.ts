@@ -3,7 +3,7 @@
 import { Picture } from "../../../editors/vscode/src/webview/picture";
 import { type Engine, inWords } from "../engine/engine";
 import type { DrawResult, Place, Position, Waiting } from "../engine/messages";
-import { element, options } from "../page/dom";
+import { element, options, settled } from "../page/dom";
 import type { Workspace } from "../program/workspace";
 import { Elements } from "./elements";
 
@@ -18,6 +18,11 @@ export interface Marks {
 }
 
 export const NOTHING: Marks = {};
+
+/** Milliseconds after which it is said that a diagram is being drawn. */
+const SLOW = 600;
+/** Milliseconds without a key until what is not shown is searched, too. */
+const PAUSE = 400;
 
 export class Diagram {
   private readonly room = element("diagram", HTMLElement);
@@ -59,9 +64,11 @@ export class Diagram {
     element("larger", HTMLButtonElement).addEventListener("click", () => this.picture.larger());
     element("smaller", HTMLButtonElement).addEventListener("click", () => this.picture.smaller());
     element("fit", HTMLButtonElement).addEventListener("click", () => this.picture.fit());
+    const unfoldSoon = settled(PAUSE, () => void this.unfold());
     this.search.addEventListener("input", () => {
       this.found = 0;
       this.showFound();
+      unfoldSoon();
     });
     this.search.addEventListener("keydown", (event) => {
       if (event.key === "Enter") {
@@ -98,18 +105,25 @@ export class Diagram {
     });
   }
 
-  private async drawn(): Promise<void> {
+  /** The engine's diagram of what is chosen, with so many levels. */
+  private requested(depth: number): Promise<DrawResult> {
     const of = this.process.value;
-    const depth = Number(this.depth.value);
+    return this.engine.request("draw", {
+      ...this.workspace.sources(),
+      view: this.view.value,
+      ...(of === "" ? {} : { of }),
+      ...(depth > 1 ? { depth } : {}),
+    });
+  }
+
+  private async drawn(): Promise<void> {
+    const slow = setTimeout(() => this.say("Drawing …", false), SLOW);
     try {
-      const result = await this.engine.request("draw", {
-        ...this.workspace.sources(),
-        view: this.view.value,
-        ...(of === "" ? {} : { of }),
-        ...(depth > 1 ? { depth } : {}),
-      });
+      const result = await this.requested(Number(this.depth.value));
+      clearTimeout(slow);
       this.show(result);
     } catch (problem) {
+      clearTimeout(slow);
       this.say(inWords(problem));
     }
   }
@@ -130,7 +144,8 @@ export class Diagram {
     this.showFound();
   }
 
-  private say(text: string): void {
+  private say(text: string, bad = true): void {
+    this.status.classList.toggle("bad", bad);
     this.status.textContent = text;
     this.status.hidden = text === "";
     this.room.classList.toggle("stale", text !== "");
@@ -152,6 +167,28 @@ export class Diagram {
     this.picture.mark("pending", this.elements.everyNamed(waiting.flatMap((each) => each.channels)));
     this.picture.mark("waiting", this.elements.waiting(stuck));
     this.picture.mark("communicating", this.elements.everyNamed(communicating));
+  }
+
+  /** What is searched and not shown may be inside of what is: as many levels are shown as it takes to find it. */
+  private async unfold(): Promise<void> {
+    const wanted = this.search.value;
+    const isWanted = () => this.search.value === wanted && wanted.trim() !== "" && this.elements.search(wanted).length === 0;
+    const deeper = [...this.depth.options].filter((each) => Number(each.value) > Number(this.depth.value));
+    for (const { value } of deeper) {
+      if (!isWanted()) {
+        return;
+      }
+      try {
+        const result = await this.requested(Number(value));
+        if (isWanted() && new Elements(result.elements).search(wanted).length > 0) {
+          this.depth.value = value;
+          this.show(result);
+        }
+      } catch {
+        // What cannot be drawn is said where it is shown.
+        return;
+      }
+    }
   }
 
   private showFound(): void {

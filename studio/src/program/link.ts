@@ -4,9 +4,26 @@ import type { Program } from "../engine/messages";
 
 const LONGEST = 4_000_000;
 
-async function through(bytes: Uint8Array<ArrayBuffer>, stream: CompressionStream | DecompressionStream): Promise<Uint8Array<ArrayBuffer>> {
-  const piped = new Blob([bytes]).stream().pipeThrough(stream);
-  return new Uint8Array(await new Response(piped).arrayBuffer());
+/** What comes out of a stream of which no more than `most` bytes are wanted: a short link can hold any number of them. */
+async function through(bytes: Uint8Array<ArrayBuffer>, stream: CompressionStream | DecompressionStream, most = Infinity): Promise<Uint8Array<ArrayBuffer>> {
+  const reader = new Blob([bytes]).stream().pipeThrough(stream).getReader();
+  const pieces: Uint8Array<ArrayBuffer>[] = [];
+  let length = 0;
+  for (let next = await reader.read(); !next.done; next = await reader.read()) {
+    pieces.push(next.value);
+    length += next.value.length;
+    if (length > most) {
+      await reader.cancel();
+      throw new TooLargeError();
+    }
+  }
+  return new Uint8Array(await new Blob(pieces).arrayBuffer());
+}
+
+class TooLargeError extends Error {
+  constructor() {
+    super(`the program in this link is too large: ${LONGEST / 1e6} MB are shown at most`);
+  }
 }
 
 export async function encoded(program: Program): Promise<string> {
@@ -28,9 +45,11 @@ export async function decoded(fragment: string): Promise<Program | undefined> {
   let found: unknown;
   try {
     const bytes = Uint8Array.from(atob(code.replaceAll("-", "+").replaceAll("_", "/")), (letter) => letter.charCodeAt(0));
-    const text = await through(bytes, new DecompressionStream("deflate-raw"));
-    found = text.length > LONGEST ? undefined : JSON.parse(new TextDecoder().decode(text));
-  } catch {
+    found = JSON.parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw"), LONGEST)));
+  } catch (problem) {
+    if (problem instanceof TooLargeError) {
+      throw problem;
+    }
     found = undefined;
   }
   if (!isProgram(found)) {

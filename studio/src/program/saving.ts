@@ -9,8 +9,9 @@ export class Saving {
   private readonly button = element("save", HTMLButtonElement);
   /** The texts as they are on the disk, of the program that the engine was started with. */
   private saved: Record<string, string> = {};
-  /** Whether the program that is open is saved on the machine. */
-  offered = false;
+  private offered = false;
+  /** Whether that program is shown, and not an example or that of a link. */
+  shown = false;
 
   constructor(
     private readonly engine: Engine,
@@ -25,7 +26,7 @@ export class Saving {
       }
     });
     window.addEventListener("beforeunload", (event) => {
-      if (this.offered && this.changed().length > 0) {
+      if (this.shown && this.changed().length > 0) {
         event.preventDefault();
       }
     });
@@ -39,13 +40,19 @@ export class Saving {
     this.paint();
   }
 
+  /** A program is shown: that of the disk, or another one. */
+  opens(isOwn: boolean): void {
+    this.shown = this.offered && isOwn;
+    this.paint();
+  }
+
   private changed(): string[] {
     const { files } = this.workspace.program;
     return Object.keys(files).filter((name) => name in this.saved && files[name] !== this.saved[name]);
   }
 
   private paint(): void {
-    this.button.hidden = !this.offered;
+    this.button.hidden = !this.shown;
     this.button.disabled = this.changed().length === 0;
   }
 
@@ -53,6 +60,13 @@ export class Saving {
     if (!this.offered) {
       this.report("Here nothing is saved: copy the link, which holds the whole program.");
       return;
+    }
+    if (!this.shown) {
+      this.report("This is not the file on the disk, so it is not saved there: copy the link, which holds the whole program.");
+      return;
+    }
+    if (this.changed().length === 0) {
+      this.report("Nothing has changed since it was saved.");
     }
     for (const file of this.changed()) {
       const text = this.workspace.program.files[file] ?? "";

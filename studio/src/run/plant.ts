@@ -2,6 +2,7 @@
 
 import { safe } from "../../../editors/vscode/src/webview/picture";
 import type { Program } from "../engine/messages";
+import { h } from "../page/dom";
 
 /** `signal * factor + summand`; without a factor it is 1, without a summand 0. */
 export interface Formula {
@@ -52,33 +53,12 @@ interface Part {
   element: SVGElement;
   /** Its own transform, which the motion comes after. */
   before: string;
+  /** Around what it turns and is stretched. */
+  centre: [number, number];
   formulas: Map<string, Formula>;
 }
 
-/** The two numbers of a point; undefined if it is not one. */
-function centre(text: string): [number, number] | undefined {
-  const [x, y, ...rest] = text.trim().split(/[\s,]+/).map(Number);
-  return x !== undefined && y !== undefined && rest.length === 0 && Number.isFinite(x) && Number.isFinite(y) ? [x, y] : undefined;
-}
-
-/** A picture beside the page and its diagrams: without styles, which would be theirs, too, and with identifiers of its own. */
-function apart(svg: SVGSVGElement): SVGSVGElement {
-  svg.querySelectorAll("style").forEach((each) => each.remove());
-  for (const each of [svg, ...svg.querySelectorAll("*")]) {
-    for (const { name, value } of [...each.attributes]) {
-      if (name === "id") {
-        each.id = `plant-${value}`;
-      } else if (/href$/i.test(name) && value.startsWith("#")) {
-        each.setAttribute(name, `#plant-${value.slice(1)}`);
-      } else if (value.includes("url(#")) {
-        each.setAttribute(name, value.replaceAll("url(#", "url(#plant-"));
-      }
-    }
-  }
-  return svg;
-}
-
-function transform({ element, before, formulas }: Part, value: Value): string {
+function transform({ before, centre, formulas }: Part, value: Value): string {
   const of = (name: (typeof MOVES)[number]) => {
     const found = formulas.get(name);
     const now = found === undefined ? undefined : value(found.signal);
@@ -90,7 +70,7 @@ function transform({ element, before, formulas }: Part, value: Value): string {
   if (x !== undefined || y !== undefined) {
     steps.push(`translate(${x ?? 0} ${y ?? 0})`);
   }
-  const [cx, cy] = centre(element.getAttribute("data-centre") ?? "0 0") ?? [0, 0];
+  const [cx, cy] = centre;
   if (angle !== undefined) {
     steps.push(`rotate(${angle} ${cx} ${cy})`);
   }
@@ -100,23 +80,48 @@ function transform({ element, before, formulas }: Part, value: Value): string {
   return steps.filter((step) => step !== "").join(" ");
 }
 
+/** The point of `data-centre`; undefined if it is not one. */
+export function centreOf(text: string): [number, number] | undefined {
+  const numbers = text.trim().split(/[\s,]+/).map(Number);
+  const [x, y] = numbers;
+  return numbers.length === 2 && x !== undefined && y !== undefined && numbers.every(Number.isFinite) ? [x, y] : undefined;
+}
+
+let pictures = 0;
+
+/** Without styles, which would be those of the whole page, and with names that no other element of the page has. */
+function apart(svg: SVGSVGElement): SVGSVGElement {
+  pictures += 1;
+  const own = (name: string) => `plant${pictures}-${name}`;
+  for (const each of svg.querySelectorAll("*")) {
+    if (each.localName === "style") {
+      each.remove();
+    }
+  }
+  for (const each of [svg, ...svg.querySelectorAll("*")]) {
+    for (const { name, value } of [...each.attributes]) {
+      const renamed = name === "id" ? own(value) : /(?:^|:)href$/i.test(name) ? value.replace(/^\s*#/, `#${own("")}`) : value;
+      each.setAttribute(name, renamed.replace(/url\(\s*(["']?)#/g, `url($1#${own("")}`));
+    }
+  }
+  return svg;
+}
+
 export class Plant {
   private parts: Part[] = [];
-  /** Signals that the picture wants and the run does not have. */
-  unknown: string[] = [];
 
   constructor(private readonly room: HTMLElement) {}
 
   /** Shows the picture, if there is one that can be read; `signals` are those of the run. */
   open(text: string | undefined, signals: readonly string[]): boolean {
-    const found = text === undefined ? undefined : safe(text);
-    const svg = found === undefined ? undefined : apart(found);
+    const read = text === undefined ? undefined : safe(text);
     this.parts = [];
-    this.unknown = [];
-    this.room.replaceChildren(...(svg === undefined ? [] : [svg]));
-    if (svg === undefined) {
+    this.room.replaceChildren();
+    if (read === undefined) {
       return false;
     }
+    const svg = apart(read);
+    const wrong = new Set<string>();
     for (const element of svg.querySelectorAll<SVGElement>("*")) {
       const formulas = new Map<string, Formula>();
       for (const name of [...MOVES, "data-colour", "data-text"]) {
@@ -125,13 +130,21 @@ export class Plant {
         if (read !== undefined && signals.includes(read.signal)) {
           formulas.set(name, read);
         } else if (written !== null) {
-          this.unknown.push(read?.signal ?? written);
+          wrong.add(read === undefined ? `${name}="${written}" is not a signal with a factor` : `there is no signal ${read.signal}`);
         }
       }
+      const written = element.getAttribute("data-centre") ?? "0 0";
+      const centre = centreOf(written);
+      if (centre === undefined) {
+        wrong.add(`data-centre="${written}" is not a point, as 50 50`);
+      }
       if (formulas.size > 0) {
-        this.parts.push({ element, before: element.getAttribute("transform") ?? "", formulas });
+        this.parts.push({ element, before: element.getAttribute("transform") ?? "", centre: centre ?? [0, 0], formulas });
       }
     }
+    // As long as nothing runs there are no signals.
+    const shown = signals.length === 0 || wrong.size === 0 ? [] : [h("p", { class: "hint" }, `In this picture: ${[...wrong].join("; ")}.`)];
+    this.room.append(svg, ...shown);
     return true;
   }
 

@@ -26,6 +26,14 @@ test("JIWY is there at once, with its diagram and the picture of its plant", asy
   await page.close();
 });
 
+test("what is inside of what is shown is found, and shown", async () => {
+  const page = await studio.open();
+  await page.getByLabel("Find in the diagram").fill("servo");
+  await page.locator(".found.present").first().waitFor({ state: "attached" });
+  assert.equal(await page.getByLabel("Levels shown").inputValue(), "3");
+  await page.close();
+});
+
 test("an instance is opened by keyboard, and its composition shown", async () => {
   const page = await studio.open();
   await page.locator("#Jiwy-horizontal").focus();

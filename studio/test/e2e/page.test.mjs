@@ -4,6 +4,7 @@ import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
+import { deflateRawSync } from "node:zlib";
 import { HOSTILE, SCRIPTED, Studio, screenshot, write } from "./page.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -56,7 +57,7 @@ test("a stick moves what it drives, from the screen and from the keyboard", asyn
   for (let i = 0; i < 5; i++) await page.keyboard.press("ArrowRight");
   const circle = page.locator("#ui-plant circle");
   await page.waitForFunction((it) => it.getAttribute("transform") === "translate(125 0)", await circle.elementHandle());
-  assert.match(await page.locator("#plant-arm").getAttribute("transform"), /^rotate\(/);
+  assert.match(await page.locator("#ui-plant [id$=-arm]").getAttribute("transform"), /^rotate\(/);
   const box = await pad.boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
@@ -145,6 +146,38 @@ test("a link holds the program, and the address what is written", async () => {
   await other.goBack();
   await other.locator(".cm-line", { hasText: "process Later {}" }).waitFor();
   await other.close();
+});
+
+test("the message about a damaged link goes with the next program, which the list of examples names", async () => {
+  const page = await studio.open({ hash: "#code=AAAA" });
+  await page.getByText("the program in this link is damaged").waitFor();
+  await page.evaluate((code) => (location.hash = code), `#code=${deflateRawSync(JSON.stringify({ files: { "pair.csp": "process Good {}" }, main: "pair.csp" })).toString("base64url")}`);
+  await page.locator(".cm-line", { hasText: "process Good {}" }).waitFor();
+  assert.equal(await page.locator("#ui-message").textContent(), "");
+  assert.equal(await page.getByLabel("Example", { exact: true }).inputValue(), "");
+  await page.getByLabel("Example", { exact: true }).selectOption("pair");
+  await page.locator(".cm-line", { hasText: "process Pair {" }).waitFor();
+  await page.goBack();
+  await page.locator(".cm-line", { hasText: "process Good {}" }).waitFor();
+  await page.close();
+});
+
+test("the border of the text moves, and stays there", async () => {
+  const page = await studio.open();
+  const width = () => page.locator("#ui-part-text").evaluate((part) => part.offsetWidth);
+  const before = await width();
+  const box = await page.locator("#ui-splitter").boundingBox();
+  await page.mouse.move(box.x + 4, 300);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 4 - 200, 300, { steps: 4 });
+  await page.mouse.up();
+  assert.ok(Math.abs((await width()) - (before - 200)) < 12);
+  await page.reload();
+  await page.locator("#ui-diagram svg").waitFor({ state: "attached" });
+  assert.ok(Math.abs((await width()) - (before - 200)) < 12);
+  await page.locator("#ui-splitter").dblclick();
+  assert.equal(await width(), before);
+  await page.close();
 });
 
 for (const [width, height] of [[390, 844], [1024, 768], [1600, 900]]) {

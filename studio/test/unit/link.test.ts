@@ -21,6 +21,11 @@ test("other fragments hold no program", async () => {
   assert.equal(await decoded("#section"), undefined);
 });
 
+test("a link that holds more than a page can show says so", async () => {
+  const bomb = deflateRawSync(Buffer.alloc(50_000_000)).toString("base64url");
+  await assert.rejects(decoded(`#code=${bomb}`), /too large: 4 MB/);
+});
+
 test("a damaged link is refused in words", async () => {
   const other = (value: unknown) => `#code=${deflateRawSync(JSON.stringify(value)).toString("base64url")}`;
   const damaged = ["#code=AAAA", "#code=", other(3), other({ files: { a: 1 }, main: "a" }), other({ files: {}, main: "toString" })];

@@ -41,6 +41,19 @@ def test_wrong_arguments(arguments: list[str], message: str, capsys: pytest.Capt
     assert message in capsys.readouterr().err
 
 
+def test_a_program_that_is_not_text_is_refused_as_check_does(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "latin.csp"
+    path.write_bytes("process A { composition { skip } } // café".encode("latin-1"))
+    codes, messages = [], []
+    for verb in ("check", "studio"):
+        codes.append(main([verb, str(path)]))
+        messages.append(capsys.readouterr().err)
+    assert "not UTF-8 text" in messages[0]
+    assert (codes[0], messages[0]) == (codes[1], messages[1])
+
+
 def test_a_page_that_was_not_built(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(resources, "studio_page", lambda: None)
     assert main(["studio", str(PROGRAM)]) == 1

@@ -7,6 +7,7 @@ import json
 import random
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 
@@ -24,7 +25,7 @@ def _fetch(port: int, path: str, **headers: str) -> http.client.HTTPResponse:
 
 def test_the_page_is_served_with_headers_that_keep_others_away(tmp_path: Path) -> None:
     with Studio(tmp_path) as studio:
-        answer = _fetch(studio.access.port, "/")
+        answer = _fetch(studio.access.port, f"/?token={quote(studio.access.token)}")
         assert answer.status == 200
         assert b"the page" in answer.read()
         assert answer.headers["Referrer-Policy"] == "no-referrer"
@@ -50,7 +51,8 @@ def test_another_host_is_not_answered(tmp_path: Path) -> None:
     with Studio(tmp_path) as studio:
         assert _fetch(studio.access.port, "/", Host="attacker.example").status == 421
         assert _fetch(studio.access.port, "/", Host=f"attacker.example:{studio.access.port}").status == 421
-        assert _fetch(studio.access.port, "/", Host=f"localhost:{studio.access.port}").status == 200
+        link = f"/?token={quote(studio.access.token)}"
+        assert _fetch(studio.access.port, link, Host=f"localhost:{studio.access.port}").status == 200
 
 
 @pytest.mark.parametrize("token", ["", "?token=", "?token=wrong", "?token=the%20token2", "?token=%ff", "?token=ü"])
@@ -59,6 +61,14 @@ def test_a_wrong_token_is_refused(tmp_path: Path, token: str) -> None:
         with pytest.raises(InvalidStatus) as caught:
             client.connect(studio.link.partition("?")[0] + token)
         assert caught.value.response.status_code == 403
+
+
+@pytest.mark.parametrize("place", ["/", "/?token=wrong", "/index.html?token=%ff"])
+def test_an_old_link_says_where_the_present_one_is(tmp_path: Path, place: str) -> None:
+    with Studio(tmp_path) as studio:
+        answer = _fetch(studio.access.port, place)
+        assert answer.status == 403
+        assert b"Open the link that is in the terminal" in answer.read()
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,10 @@ export interface Actions {
 }
 
 const STEP = 1.2;
+/** How much a small diagram is enlarged where there is room. */
+const LARGEST = 1.4;
+/** In a room that is narrower than this, in pixels, a diagram is shown at least so large that it can be read. */
+const [NARROW, LEGIBLE] = [500, 0.8];
 const ACTIVE = /^(?:script|foreignObject|iframe|object|embed|animate|set|animateTransform|animateMotion|use|image)$/i;
 
 /** An SVG from a text, without anything that could act or fetch; undefined if the text is not one. */
@@ -45,6 +49,8 @@ export class Picture {
   private svg: SVGSVGElement | undefined;
   /** Undefined while the picture is as large as its room allows. */
   private scale: number | undefined;
+  /** Whether the whole width is wanted, legible or not. */
+  private whole = false;
   /** Whether the pointer was moved while it was down: then it was no click. */
   private dragged = false;
   private readonly pointers = new Map<number, PointerEvent>();
@@ -117,8 +123,9 @@ export class Picture {
     this.zoom(1 / STEP);
   }
 
-  /** As large as the width allows. */
+  /** As large as the width allows; a small one no larger than its room. */
   fit(): void {
+    this.whole = true;
     this.scale = undefined;
     this.resize();
   }
@@ -154,7 +161,15 @@ export class Picture {
   }
 
   private present(): number {
-    return this.scale ?? Math.min(1, this.room.clientWidth / this.natural().width);
+    if (this.scale !== undefined) {
+      return this.scale;
+    }
+    const { width, height } = this.natural();
+    const wide = this.room.clientWidth / width;
+    if (!this.whole && this.room.clientWidth < NARROW) {
+      return Math.min(Math.max(wide, LEGIBLE), 1);
+    }
+    return wide <= 1 ? wide : Math.min(wide, LARGEST, Math.max(1, this.room.clientHeight / height));
   }
 
   /** Changes the size, and keeps a point of the window in its place. */
