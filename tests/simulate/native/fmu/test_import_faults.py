@@ -55,7 +55,7 @@ def test_parameters_of_the_submodel_are_those_of_the_fmu(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("parameters", "reported"),
     [
-        ("g: double<m> = 1<m>", "`g` has the unit m here, and m/s2 in the FMU"),
+        ("g: double<m> = 1<m>", "`g` has the unit m here, and m/s^2 in the FMU"),
         ("e: bool = true", "`e` is a bool here, and in the FMU a double"),
         ("v_min: double<m/s> = 1<m/s>", "the FMU has no parameter `v_min`"),
         ("h: double<m> = 1<m>", "the FMU has no parameter `h`"),
