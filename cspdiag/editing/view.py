@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from hashlib import sha256
 
 from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.report import Report
@@ -97,6 +98,11 @@ class View:
         """The texts of all files of the program by name, None for those that could not be read."""
         assert self.program is not None  # It has read them.
         return {**self.texts, self.main.name: self.main.text}
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """The same for programs of the same files with the same texts."""
+        return sha256(repr(sorted(self.files.items())).encode()).hexdigest()
 
     def occurrences(self, name: str) -> Occurrences:
         """The names in a file of the program."""

@@ -248,6 +248,15 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
     return "\n".join(each.title for each in found)
 
 
+@server.feature("cspdiag/program")
+def _program(ls: CspdiagServer, params: Any) -> dict[str, Any] | None:
+    """The files of an open program, by URI, and the fingerprint that its lenses have."""
+    view = ls.view(params.textDocument.uri)
+    if view is None:
+        return None
+    return {"files": [ls.session.documents.uri(name) for name in view.files], "fingerprint": view.fingerprint}
+
+
 @server.feature("cspdiag/diagram")
 async def _diagram(ls: CspdiagServer, params: Any) -> dict[str, Any] | None:
     """A diagram of an open program, as docs/editors.md describes it."""

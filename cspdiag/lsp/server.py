@@ -107,6 +107,9 @@ class CspdiagServer(LanguageServer):
         for document in changed.values():
             if self.session.documents.get(document.uri) is document:
                 self._publish(document)
+        if self.session.imports_changed:
+            self.session.imports_changed = False
+            self._refresh()
         self._last_seconds = time.perf_counter() - began
         self._garbage.left()
 
@@ -185,9 +188,25 @@ class CspdiagServer(LanguageServer):
             document.answered[words] = each.title
         if not document.is_too_large and self.session.view(document) is view:
             self._publish(document)
+        self._refresh_lenses()
+
+    # Requests of the editor that it makes again
+
+    def _refresh_lenses(self) -> None:
         workspace = self.client_capabilities.workspace
         if workspace is not None and workspace.code_lens is not None and workspace.code_lens.refresh_support:
             self.workspace_code_lens_refresh(None)
+
+    def _refresh(self) -> None:
+        """Have the editor ask again for all that it shows in texts that it has not changed."""
+        self._refresh_lenses()
+        workspace = self.client_capabilities.workspace
+        if workspace is None:
+            return
+        if workspace.inlay_hint is not None and workspace.inlay_hint.refresh_support:
+            self.workspace_inlay_hint_refresh(None)
+        if workspace.semantic_tokens is not None and workspace.semantic_tokens.refresh_support:
+            self.workspace_semantic_tokens_refresh(None)
 
     # Requests
 

@@ -33,12 +33,16 @@ class Session:
         """How many views were made."""
         self.parses = 0
         """How many texts were parsed."""
+        self.imports_changed = False
+        """Whether a program has changed whose main file has not; reset by whoever tells the editor."""
 
     def view(self, document: Document) -> View:
         """The program of which an open document is the main file, as it is now."""
         known = self._views.get(document.identity)
         if known is not None and known.main is document.source and self._is_present(known):
             return known
+        if known is not None and known.main is document.source:
+            self.imports_changed = True
         self.views += 1
         view = self._views[document.identity] = View(
             document.source, self.documents.read, self._parse, self._checks_of(document)

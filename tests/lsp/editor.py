@@ -33,6 +33,8 @@ class Client(LanguageClient):
         super().__init__(converter_factory=default_converter)
         self.editors: list[Editor] = []
         self.diagnostics: dict[str, Sequence[types.Diagnostic]] = {}
+        self.refreshed: set[str] = set()
+        """What the server has had asked for again."""
         self.progress: dict[types.ProgressToken, list[Any]] = {}
 
         @self.feature(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
@@ -42,8 +44,12 @@ class Client(LanguageClient):
                 editor.published.put_nowait(found)
 
         @self.feature(types.WORKSPACE_CODE_LENS_REFRESH)
-        def refresh(*_: object) -> None:
-            """An editor would ask for the lenses again."""
+        def refresh_lenses(*_: object) -> None:
+            self.refreshed.add("lenses")
+
+        @self.feature(types.WORKSPACE_SEMANTIC_TOKENS_REFRESH)
+        def refresh_tokens(*_: object) -> None:
+            self.refreshed.add("tokens")
 
         @self.feature(types.WINDOW_WORK_DONE_PROGRESS_CREATE)
         def create(_: types.WorkDoneProgressCreateParams) -> None:

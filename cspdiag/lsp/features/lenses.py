@@ -17,7 +17,8 @@ VERIFY = "cspdiag.verify"
 
 RUN, PLOT, STEP = "cspdiag.run", "cspdiag.plot", "cspdiag.step"
 """Commands of editors, which say in their experimental capabilities that they have them: to run an environment, given
-by the URI, its name and its line from 0, and to show the steps of a counterexample, given by the URI and the steps.
+by the URI, its name, its line from 0 and the fingerprint of the program, and to show the steps of a counterexample,
+given by the URI and the steps.
 """
 
 
@@ -43,7 +44,7 @@ def lenses(
     for environment in view.tree.items:
         if isinstance(environment, ast.EnvironmentDefinition):
             place = positions.range(environment.name.span)
-            arguments = [uri, environment.name.text, place.start.line]
+            arguments = [uri, environment.name.text, place.start.line, view.fingerprint]
             for title, command in (("Run", RUN), ("Plot", PLOT)):
                 if command in commands:
                     found.append(types.CodeLens(place, types.Command(title, command, arguments=list(arguments))))

@@ -16,8 +16,11 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const server = new Server(context, output, runs);
   const diagram = new DiagramView(context, server);
   const run = async (plot: boolean, uri: string, environment: string) => {
-    if (server.command !== undefined && (await isTrusted(plot ? "plotted" : "run"))) {
-      await runs.run(server.command, vscode.Uri.parse(uri), environment, plot);
+    const cspdiag = server.cspdiag;
+    if (cspdiag === undefined) {
+      void vscode.window.showErrorMessage(`${environment} was not run: cspdiag is not running.`);
+    } else if (await isTrusted(plot ? "plotted" : "run")) {
+      await runs.run(cspdiag, vscode.Uri.parse(uri), environment, plot);
     }
   };
   context.subscriptions.push(

@@ -27,14 +27,14 @@ export function outcome(output: string, environment: string, time: string, folde
   return /^\w+$/.test(line.slice(0, Math.max(start, 0))) ? line.slice(start + ` in ${environment}: `.length) : line;
 }
 
-/** What a run of a text said. */
+/** What a run of a program said. */
 export interface Result {
-  /** The text that was run. */
-  text: string;
+  /** The fingerprint of the program that was run, its imported files included. */
+  program: string;
   outcome: string;
 }
 
-/** The title of the lens of a run, above the text as it is now. */
-export function titleOf({ text, outcome }: Result, now: string): string {
-  return text === now ? outcome : `before the change: ${outcome}`;
+/** The title of the lens of a run; `now` is the fingerprint of the program as it is now. */
+export function titleOf({ program, outcome }: Result, now: unknown): string {
+  return program === now ? outcome : `before the change: ${outcome}`;
 }

@@ -8,6 +8,18 @@ import type { Figures } from "./figures";
 import type { Result } from "./lenses";
 import { brief, outcome, titleOf } from "./lenses";
 
+/** The cspdiag that runs programs, and what its server knows of them. */
+export interface Cspdiag {
+  command: string;
+  /** The files of an open program by URI, and its fingerprint; null if the server does not know it. */
+  program: (uri: vscode.Uri) => Promise<Program | null>;
+}
+
+interface Program {
+  files: string[];
+  fingerprint: string;
+}
+
 /** How a run ended: its exit code (null if it was stopped), and what it printed. */
 interface Ended {
   status: number | null;
@@ -37,23 +49,24 @@ export class Runs implements vscode.Disposable {
       if (lens.command !== undefined) {
         lens.command = { ...lens.command, ...brief(lens.command.title) };
       }
-      const environment: unknown = lens.command?.arguments?.[1];
+      const [, environment, , program] = (lens.command?.arguments ?? []) as unknown[];
       const result = typeof environment === "string" ? results?.get(environment) : undefined;
       if (result === undefined || lens.command?.command !== "cspdiag.plot") {
         return [lens];
       }
-      return [lens, new vscode.CodeLens(lens.range, { ...brief(titleOf(result, document.getText())), command: "cspdiag.showOutput" })];
+      return [lens, new vscode.CodeLens(lens.range, { ...brief(titleOf(result, program)), command: "cspdiag.showOutput" })];
     });
   }
 
-  /** Runs the saved text of a file; with `plot` a figure is shown beside it. */
-  async run(cspdiag: string, uri: vscode.Uri, environment: string, plot: boolean): Promise<void> {
-    const document = await vscode.workspace.openTextDocument(uri);
-    if (document.isDirty && !(await document.save())) {
-      void vscode.window.showErrorMessage(`${uri.fsPath} was not run: it could not be saved.`);
+  /** Saves the files of a program and runs it; with `plot` a figure is shown beside it. */
+  async run(cspdiag: Cspdiag, uri: vscode.Uri, environment: string, plot: boolean): Promise<void> {
+    const unsaved = await save((await cspdiag.program(uri))?.files ?? []);
+    const program = await cspdiag.program(uri);
+    if (unsaved !== undefined || program === null) {
+      const reason = unsaved === undefined ? "it is not open, or too large" : `${unsaved.fsPath} could not be saved`;
+      void vscode.window.showErrorMessage(`${environment} was not run: ${reason}.`);
       return;
     }
-    const text = document.getText();
     const time = vscode.workspace.getConfiguration("cspdiag").get("run.for", "20 s").replaceAll(" ", "");
     const folder = path.dirname(uri.fsPath);
     const args = ["run", uri.fsPath, "--environment", environment, "--color", "never"];
@@ -66,11 +79,11 @@ export class Runs implements vscode.Disposable {
     }
     const ended = await vscode.window.withProgress(
       { location: vscode.ProgressLocation.Notification, title: `Running ${environment}`, cancellable: true },
-      (_, token) => execute(cspdiag, args, folder, token),
+      (_, token) => execute(cspdiag.command, args, folder, token),
     );
     this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
     const said = ended.status === null ? "stopped" : outcome(ended.output, environment, time, folder);
-    this.keep(uri, environment, { text, outcome: said });
+    this.keep(uri, environment, { program: program.fingerprint, outcome: said });
     if (figure === undefined) {
       return;
     }
@@ -98,6 +111,16 @@ export class Runs implements vscode.Disposable {
     this.results.set(key, known);
     this.changed.fire();
   }
+}
+
+/** Saves those of some files that have changed in the editor; the first one that could not be saved, if any. */
+async function save(files: readonly string[]): Promise<vscode.Uri | undefined> {
+  for (const document of vscode.workspace.textDocuments) {
+    if (document.isDirty && files.includes(document.uri.toString()) && !(await document.save())) {
+      return document.uri;
+    }
+  }
+  return undefined;
 }
 
 function execute(command: string, args: string[], cwd: string, token: vscode.CancellationToken): Promise<Ended> {

@@ -14,7 +14,7 @@ import { problemOf, run } from "./probe";
 import { Work } from "./progress";
 import { INTERRUPTED, Proofs } from "./proofs";
 import { Restarts } from "./restarts";
-import type { Runs } from "./run";
+import type { Cspdiag, Runs } from "./run";
 import type { Way } from "./trouble";
 import { Trouble } from "./trouble";
 import { isTrusted, MANAGE_TRUST } from "./trust";
@@ -63,6 +63,15 @@ export class Server implements vscode.Disposable {
   /** The cspdiag whose server is running. */
   get command(): string | undefined {
     return this.found?.command;
+  }
+
+  /** The cspdiag whose server is running, and which programs it knows. */
+  get cspdiag(): Cspdiag | undefined {
+    const [client, command] = [this.running, this.command];
+    if (client === undefined || command === undefined) {
+      return undefined;
+    }
+    return { command, program: (uri) => client.sendRequest("cspdiag/program", { textDocument: { uri: uri.toString() } }) };
   }
 
   /** Starts the server; says what keeps it from starting, and what can be done about that. */

@@ -32,7 +32,8 @@ environment Bench for Divider { y -> _ }
 `;
 
 /** Runs for some seconds. */
-const COUNT = `process Counter { communication { var n : int = 0 } composition { mu (n := n + 1 ; wait 1 us) } }
+const COUNT = `import "used.csp"
+process Counter { communication { var n : int = 0 } composition { mu (n := n + 1 ; wait 1 us) } }
 environment Bench for Counter { }
 `;
 
@@ -68,7 +69,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP, "half.csp": HALF, "only.csp": HALF.slice(HALF.indexOf("process Bad")), "crossed.csp": CROSSED, "fault.csp": FAULT, "count.csp": COUNT, "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const files = { "slip.csp": SLIP, "half.csp": HALF, "only.csp": HALF.slice(HALF.indexOf("process Bad")), "crossed.csp": CROSSED, "fault.csp": FAULT, "count.csp": COUNT, "used.csp": "const unused = 1\n", "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   const task = { label: "say", type: "shell", command: "cat said.txt", problemMatcher: ["$cspdiag", "$cspdiag-absolute"], presentation: { reveal: "never" }, group: { kind: "build", isDefault: true } };
   files[".vscode/tasks.json"] = JSON.stringify({ version: "2.0.0", tasks: [task] });
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
@@ -247,7 +248,7 @@ step("a proof ends with the server, and its lens says so", async () => {
 });
 
 step("the result of a run says that the text was changed while it ran", async () => {
-  await editor.open("count.csp", 2);
+  await editor.open("count.csp", 3);
   await editor.page.locator(".codelens-decoration a", { hasText: "Run" }).first().click();
   const running = await editor.notification("Running Bench");
   await editor.goTo(1);
@@ -256,7 +257,17 @@ step("the result of a run says that the text was changed while it ran", async ()
   await editor.page.locator(".codelens-decoration", { hasText: "before the change: stopped" }).waitFor();
   await editor.page.locator(".monaco-editor").first().locator(".view-line").first().click();
   await editor.page.keyboard.press("Control+z");
-  await editor.page.locator(".codelens-decoration", { hasText: /^Run.*Plot.*stopped$/ }).waitFor();
+  const current = editor.page.locator(".codelens-decoration", { hasText: /^Run.*Plot.*stopped$/ });
+  await current.waitFor();
+  // Also in a file that it imports.
+  await editor.open("used.csp", 1);
+  await editor.page.keyboard.type(" ");
+  await editor.open("count.csp", 3);
+  await editor.page.locator(".codelens-decoration", { hasText: "before the change: stopped" }).waitFor();
+  await editor.open("used.csp", 1);
+  await editor.page.keyboard.press("Control+z");
+  await editor.open("count.csp", 3);
+  await current.waitFor();
 });
 
 step("a counterexample is stepped through in the diagram", async () => {

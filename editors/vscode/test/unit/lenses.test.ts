@@ -30,8 +30,8 @@ test("a time that is refused is named with its setting", () => {
   assert.equal(outcome("cspdiag: `abc` is not a time\n", "Fault", "20s", "/home/me/my kiln"), "`abc` is not a time");
 });
 
-test("the result of a run above a text that was not run says so", () => {
-  const result = { text: "process A", outcome: "deadlock at 0 s" };
-  assert.equal(titleOf(result, "process A"), "deadlock at 0 s");
-  assert.equal(titleOf(result, "process B"), "before the change: deadlock at 0 s");
+test("the result of a run above a program that was not run says so", () => {
+  const result = { program: "a1", outcome: "deadlock at 0 s" };
+  assert.equal(titleOf(result, "a1"), "deadlock at 0 s");
+  assert.equal(titleOf(result, "b2"), "before the change: deadlock at 0 s");
 });

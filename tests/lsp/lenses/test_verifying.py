@@ -14,7 +14,7 @@ from tests.lsp.editor import PATIENCE, Client, Editor
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 PROGRAM = "process Main { composition { stop } }\nassert Main deadlock free\n"
-DINING = Path(__file__).parents[2] / "models" / "dining"
+DINING = Path(__file__).parents[3] / "models" / "dining"
 TABLE = (DINING / "table.csp").read_text().replace("seats = 5", "seats = 120")
 MANY_SEATS = TABLE + (DINING / "dining.csp").read_text().replace('import "table.csp"\n', "")
 """A program whose proof takes some ten seconds."""
