@@ -34,6 +34,7 @@ _HEADERS = {
 """The link has the token, so no other page may learn it; and no page may show this one in a frame."""
 
 _POLICY_VIOLATION = 1008
+_SEEN = "seen"
 
 
 def application(room: Room, access: Access, first: SingleUse, page: Path) -> Starlette:
@@ -127,6 +128,9 @@ async def _serve(socket: WebSocket, room: Room) -> None:
 
 async def _answer(viewer: Viewer, room: Room, text: str | None) -> None:
     number, method, params = _parsed(text)
+    if method == _SEEN:
+        viewer.seen()
+        return
     viewer.pending += 1
     try:
         if method is None:
@@ -139,11 +143,15 @@ async def _answer(viewer: Viewer, room: Room, text: str | None) -> None:
 
 
 def _parsed(text: str | None) -> tuple[Any, str | None, dict[str, Any]]:
-    """The number, the method and the parameters of a request; without a method if it is none."""
+    """The number, the method and the parameters of a request; without a method if it is none. A page that has seen a
+    frame says so without a number: it wants no answer.
+    """
     try:
         message = json.loads(text or "")
     except (ValueError, RecursionError):
         return None, None, {}
+    if message == {"method": _SEEN}:
+        return None, _SEEN, {}
     if not isinstance(message, dict) or not isinstance(message.get("id"), int | str):
         return None, None, {}
     method, params = message.get("method"), message.get("params", {})

@@ -9,6 +9,8 @@ Frame: TypeAlias = "dict[str, Any]"
 
 MOST_VALUES = 2_000
 """How many values of one signal a merged frame keeps: more than a plot has columns."""
+MOST_VALUES_OF_ALL = 40_000
+"""How many values of all signals together."""
 
 MOST_COMMUNICATIONS = 200
 
@@ -22,8 +24,10 @@ def merged(earlier: Frame, later: Frame) -> Frame:
     frame = {**earlier, **later, "from": earlier["from"]}
     thinned = bool(earlier.get("thinned") or later.get("thinned"))
     signals = {name: _joined(earlier, later, name) for name in {**earlier["signals"], **later["signals"]}}
-    if any(len(series["t"]) > MOST_VALUES for series in signals.values()):
-        signals = {name: _thinned(series) for name, series in signals.items()}
+    counts = [len(series["t"]) for series in signals.values()]
+    most = MOST_VALUES if sum(counts) <= MOST_VALUES_OF_ALL else max(2, MOST_VALUES_OF_ALL // len(counts))
+    if any(count > most for count in counts):
+        signals = {name: _thinned(series, most) for name, series in signals.items()}
         thinned = True
     frame["signals"] = signals
     for key in ("modes", "started", "ended"):
@@ -42,8 +46,8 @@ def _joined(earlier: Frame, later: Frame, name: str) -> dict[str, list[Any]]:
     return {key: [value for series in both for value in series[key]] for key in ("t", "v")}
 
 
-def _thinned(series: dict[str, list[Any]]) -> dict[str, list[Any]]:
-    """Every second value, and the last one."""
-    if len(series["t"]) <= MOST_VALUES:
+def _thinned(series: dict[str, list[Any]], most: int) -> dict[str, list[Any]]:
+    """Every second value, and the last one, if there are more than ``most``."""
+    if len(series["t"]) <= most:
         return series
     return {key: [*values[:-1:2], values[-1]] for key, values in series.items()}

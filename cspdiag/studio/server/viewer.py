@@ -11,6 +11,10 @@ from cspdiag.studio.server.frames import Frame, merged
 
 _FRAMES_AHEAD = 3
 """Frames that may wait as they are; further ones are merged into the last, so that what waits is bounded."""
+_MOST_UNSEEN = 256 * 1024
+"""Characters of frames that a page was sent and has not seen yet. What is beyond waits here, and can be merged, and not
+in the buffers of the connection, where pings would wait behind it until the page is considered lost.
+"""
 
 
 class Connection(Protocol):
@@ -29,6 +33,8 @@ class Viewer:
         self._waiting: deque[tuple[str, Frame | None]] = deque()
         """Texts of messages; a frame that was merged has none."""
         self._frames = 0
+        self._unseen: deque[int] = deque()
+        """How long the frames are that were sent and not seen yet."""
         self._news = asyncio.Event()
         self.pending = 0
         """Requests that are not answered yet."""
@@ -53,14 +59,24 @@ class Viewer:
             self._frames += 1
         self._news.set()
 
+    def seen(self) -> None:
+        """The page has seen a frame, the first of those that it was sent."""
+        if self._unseen:
+            self._unseen.popleft()
+            self._news.set()
+
     async def send_all(self) -> None:
         """Send what there is and will be, until it is cancelled or the connection is lost."""
         while True:
-            while self._waiting:
+            while self._waiting and not self._must_wait(self._waiting[0][1]):
                 text, frame = self._waiting.popleft()
                 if frame is not None:
                     self._frames -= 1
                     text = text or json.dumps({"method": "frame", "params": frame})
+                    self._unseen.append(len(text))
                 await self._connection.send_text(text)
             self._news.clear()
             await self._news.wait()
+
+    def _must_wait(self, frame: Frame | None) -> bool:
+        return frame is not None and sum(self._unseen) >= _MOST_UNSEEN

@@ -12,6 +12,9 @@ export const worker: Connect = (receive, lost) => {
   return { send: (message) => there.postMessage(message) };
 };
 
+/** What the page has not seen waits at the server, which sends no more than a page can show. */
+const SEEN = JSON.stringify({ method: "seen" });
+
 const REFUSED = "the server has ended, or it is another one than that of this link: open the link that `cspdiag studio` has shown last";
 
 export function socket(token: string): Connect {
@@ -28,7 +31,13 @@ export function socket(token: string): Connect {
         there.send(message);
       }
     });
-    there.addEventListener("message", (event: MessageEvent<string>) => receive(JSON.parse(event.data)));
+    there.addEventListener("message", (event: MessageEvent<string>) => {
+      const message = JSON.parse(event.data) as { method?: string };
+      receive(message);
+      if (message.method === "frame") {
+        there.send(SEEN);
+      }
+    });
     there.addEventListener("close", (event) => {
       const why = opened ? "the engine has ended, or the connection to it is lost" : REFUSED;
       lost(event.reason === "" ? why : event.reason);

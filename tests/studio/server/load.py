@@ -19,7 +19,7 @@ from typing import Any
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from tests.studio.server.running_studio import Studio
+from tests.studio.server.running_studio import SEEN, Studio
 
 _WARM = 1
 """Minutes after which memory is to be flat."""
@@ -38,7 +38,9 @@ class Reader(threading.Thread):
         with connect(self._link, max_size=None, ping_interval=None, max_queue=2 if self._pause else 16) as socket:
             try:
                 for message in socket:
-                    self.frames += '"frame"' in message[:40]
+                    if '"frame"' in message[:40]:
+                        self.frames += 1
+                        socket.send(SEEN)
                     time.sleep(self._pause)
             except ConnectionClosed:
                 return
@@ -61,7 +63,9 @@ def measure(link: str, server: int, minutes: float, pages: int) -> int:
         slow = Reader(link, pause=0.5)
         for reader in (*readers, slow):
             reader.start()
-        threading.Thread(target=lambda: [None for _ in hand], daemon=True).start()
+        threading.Thread(
+            target=lambda: [hand.send(SEEN) for text in hand if '"frame"' in text[:40]], daemon=True
+        ).start()
         begin = time.monotonic()
         memory: list[float] = []
         while time.monotonic() - begin < minutes * 60:

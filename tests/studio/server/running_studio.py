@@ -22,6 +22,7 @@ from cspdiag.studio.server.room import Room  # noqa: E402
 from cspdiag.studio.server.saved_files import SavedFiles  # noqa: E402
 from cspdiag.studio.server.serving import StudioServer  # noqa: E402
 
+SEEN = '{"method": "seen"}'
 ENGINE = Path(__file__).with_name("scripted_engine.py")
 
 
@@ -54,6 +55,8 @@ class Page:
         message: dict[str, Any] = json.loads(self.socket.recv(timeout))
         if "method" in message:
             self.notifications.append(message)
+        if message.get("method") == "frame":
+            self.socket.send(SEEN)
         return message
 
     def wait_for(self, method: str) -> Any:
