@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from itertools import product
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from tests.conformance.hunt import A_START, hunt
 from tests.conformance.kit import judge, parsed
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, InvalidProgramError, environments
 from tests.conformance.targets import TARGETS, Target
+from tests.support.thorough import at_levels
 
 EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "30")) // 2
 COMPARED = ("python-O0", "python-O1", "c-O0", "c-O1")
@@ -34,7 +36,7 @@ HUGE = {
 """Programs about overflow, with numbers that single precision does not have."""
 
 
-@pytest.fixture(params=COMPARED)
+@pytest.fixture
 def target(request: pytest.FixtureRequest) -> Target:
     target: Target = TARGETS[request.param]
     reason = target.unavailable()
@@ -50,7 +52,18 @@ def network_in_single(name: str) -> Network:
     return network
 
 
-@pytest.mark.parametrize("name", [name for name in (*MODELS, *PROGRAMS) if name not in HUGE])
+@pytest.mark.parametrize(
+    ("name", "target"),
+    [
+        *(product(MODELS, COMPARED)),
+        *(
+            (name, f"{language}-O{level}")
+            for name, level in at_levels(sorted(set(PROGRAMS) - HUGE))
+            for language in ("python", "c")
+        ),
+    ],
+    indirect=["target"],
+)
 def test_program(target: Target, name: str) -> None:
     network = network_in_single(name)
     for environment in environments(network):
@@ -66,6 +79,7 @@ def test_numbers_that_are_too_large_are_refused(name: str) -> None:
         parsed(name, "float32")
 
 
+@pytest.mark.parametrize("target", COMPARED, indirect=True)
 @pytest.mark.parametrize("start", range(EXAMPLES // A_START))
 def test_random_programs(target: Target, start: int) -> None:
     found = hunt(target, A_START, start, shrink=False, real="float32")

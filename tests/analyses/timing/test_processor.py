@@ -14,6 +14,7 @@ from cspdiag.analyses.timing.report.timing import timing_report
 from tests.analyses.timing.processor import longest, on_processor, wcets, with_bench
 from tests.analyses.timing.programs import US, by_name, law, loops_of
 from tests.analyses.timing.random.compositions import composed
+from tests.support.thorough import usual_or_thorough
 
 
 @pytest.fixture(autouse=True)
@@ -49,7 +50,7 @@ def test_independent_loops_keep_their_bounds(order: str) -> None:
 
 def test_random_compositions_keep_their_bounds() -> None:
     compared = exact = 0
-    for seed in range(40):
+    for seed in range(usual_or_thorough(20, 200)):
         program = composed(seed)
         text = program.text()
         inputs = [*(name for name, _ in program.inputs), *program.events]
@@ -71,8 +72,8 @@ def test_random_compositions_keep_their_bounds() -> None:
                 assert found[path] <= bounds[path], text
                 compared += 1
                 exact += found[path] >= bounds[path] - 1
-    assert compared >= 80
-    assert exact >= 5
+    assert compared >= usual_or_thorough(40, 400)
+    assert exact >= usual_or_thorough(3, 25)
 
 
 def test_an_urgent_loop_waits_for_one_step_of_the_others_not_for_all_that_are_ready() -> None:

@@ -17,6 +17,7 @@ from cspdiag.network.ir.network import Network
 from tests.analyses.timing.processor import on_processor, run, wcets, with_bench
 from tests.analyses.timing.programs import MS, US, network_of
 from tests.analyses.timing.seen import seen_in
+from tests.support.thorough import usual_or_thorough
 
 LONGEST = 10**15
 
@@ -137,7 +138,7 @@ def bounds(report: TimingReport) -> tuple[int, int]:
 
 def test_no_change_is_seen_later_and_no_output_is_older_than_was_bounded() -> None:
     compared = close = 0
-    for seed in range(50):
+    for seed in range(usual_or_thorough(20, 200)):
         chained = Chained(random.Random(seed))
         text = chained.build()
         network = with_bench(text, [f"x{k}" for k in range(len(chained.periods))], ["y"], "1 ms")
@@ -152,7 +153,7 @@ def test_no_change_is_seen_later_and_no_output_is_older_than_was_bounded() -> No
             assert found[1] <= age, text
         compared += 1
         close += reaction - found[0] <= max(chained.periods) * MS
-    assert compared >= 40
+    assert compared >= usual_or_thorough(16, 160)
     assert close >= 0.8 * compared
 
 
