@@ -22,7 +22,7 @@ _Writer = Callable[[Any], object]
 
 
 class _RecordingFailedError(Exception):
-    """A recording is not whole, as a message has said."""
+    """A recording is not whole, or was not written, as a message has said."""
 
 
 def conclude(arguments: Namespace, result: Run, checked: Checked, recording: Recording | None = None) -> int:
@@ -68,7 +68,7 @@ def _requested_files(
     if recording is not None and arguments.record is None:
         _finish(recording, result)
     elif recording is not None:
-        yield arguments.record, lambda _: _finish(recording, result)
+        yield arguments.record, lambda path: _finish_file(path, recording, result)
     if arguments.trace is not None:
         yield arguments.trace, result.to_trace
     if arguments.plot is not None:
@@ -81,6 +81,17 @@ def _finish(recording: Recording, result: Run) -> None:
     recording.finish(result.outcome.ended, result.outcome.time, result.releases)
     if recording.problem is not None:
         raise _RecordingFailedError
+
+
+def _finish_file(path: Path | str, recording: Recording, result: Run) -> None:
+    """The same, but a run that failed before anything happened, as when a device is not there, leaves what an earlier
+    one recorded.
+    """
+    if result.outcome.exit_code and recording.is_empty and recording.problem is None:
+        recording.discard()
+        say(f"cspdiag: nothing was recorded, so {on_one_line(path)} was not written")
+        raise _RecordingFailedError
+    _finish(recording, result)
 
 
 def _write(requested: list[tuple[Path | str, _Writer]]) -> list[Path | str]:

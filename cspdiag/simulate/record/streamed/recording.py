@@ -146,8 +146,13 @@ class Recording:
                 self._fail(problem)
         self._leave()
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether no port has had a value: the parameters at the beginning of a run are none."""
+        return all(self.head.ports[position].direction == "parameter" for position in self._pending.last)
+
     def discard(self) -> None:
-        """There was no run: leave no file."""
+        """There was no run: leave no file, and one that was there before as it was."""
         if self._thread is not None:
             self._thread.end()
         if self._listener is not None:
@@ -157,7 +162,7 @@ class Recording:
 
     def break_off(self) -> bool:
         """The run cannot say how it ended: leave what it has passed, and say whether that is anything."""
-        if all(self.head.ports[position].direction == "parameter" for position in self._pending.last):
+        if self.is_empty:
             self.discard()
             return False
         self.pass_time(None)

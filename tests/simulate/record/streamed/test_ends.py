@@ -190,6 +190,35 @@ def test_a_run_that_does_not_begin_leaves_nothing(folder: Path) -> None:
         assert sorted(path.name for path in folder.iterdir()) == ["main.csp"]
 
 
+@pytest.mark.parametrize("name", ["run.csv", "run.mcap", "run.npz", "run.parquet", "bag/"])
+def test_a_device_that_is_not_there_leaves_the_recording_of_an_earlier_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("main.csp").write_text(
+        LOOP
+        + """
+driver Card python "card.py:Card" { out level : double }
+environment Wired for Main { card : Card card.level -> level valve -> _ }
+"""
+    )
+    Path("card.py").write_text("class Card:\n    def open(self):\n        raise OSError('the card is not there')\n")
+    if name == "bag/":
+        earlier = None
+    else:
+        assert main(["run", "main.csp", "--environment", "Bench", "--for", "50ms", "--record", name]) == 0
+        earlier = Path(name).read_bytes()
+    before = sorted(path.name for path in tmp_path.iterdir())
+    capsys.readouterr()
+    assert main(["run", "main.csp", "--environment", "Wired", "--for", "50ms", "--record", name]) == 1
+    told = capsys.readouterr().err
+    assert "failed to open at port Main.level: OSError: the card is not there" in told
+    assert f"nothing was recorded, so {name} was not written" in told
+    assert "wrote" not in told
+    assert sorted(path.name for path in tmp_path.iterdir() if path.name != "__pycache__") == before
+    assert earlier is None or Path(name).read_bytes() == earlier
+
+
 def test_a_native_program_that_breaks_off_leaves_its_recording(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
