@@ -80,12 +80,14 @@ class EngineProcess:
     async def _read(self, process: Process) -> None:
         assert process.stdout is not None
         try:
-            while line := await process.stdout.readline():
+            # A process that is killed may end in the middle of a message.
+            while (line := await process.stdout.readline()).endswith(b"\n"):
                 if self._take(line.decode()):
                     # Who waits for the answer passes it on before what the engine sent next.
                     await asyncio.sleep(0)
         except ValueError:  # A message that is too long.
-            process.kill()
+            with suppress(ProcessLookupError):
+                process.kill()
         finally:
             if self._process is process:
                 self._process = None
