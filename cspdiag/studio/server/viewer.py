@@ -11,9 +11,9 @@ from cspdiag.studio.server.frames import Frame, merged
 
 _FRAMES_AHEAD = 3
 """Frames that may wait as they are; further ones are merged into the last, so that what waits is bounded."""
-_MOST_UNSEEN = 256 * 1024
-"""Characters of frames that a page was sent and has not seen yet. What is beyond waits here, and can be merged, and not
-in the buffers of the connection, where pings would wait behind it until the page is considered lost.
+_MOST_UNSEEN = 6
+"""Frames that a page was sent and has not seen yet. What is beyond waits here, where it can be merged, and not in the
+buffers of the connection, where pings would wait behind it until the page is considered lost.
 """
 
 
@@ -33,8 +33,8 @@ class Viewer:
         self._waiting: deque[tuple[str, Frame | None]] = deque()
         """Texts of messages; a frame that was merged has none."""
         self._frames = 0
-        self._unseen: deque[int] = deque()
-        """How long the frames are that were sent and not seen yet."""
+        self._unseen = 0
+        """Frames that were sent and not seen yet."""
         self._news = asyncio.Event()
         self.pending = 0
         """Requests that are not answered yet."""
@@ -60,9 +60,9 @@ class Viewer:
         self._news.set()
 
     def seen(self) -> None:
-        """The page has seen a frame, the first of those that it was sent."""
+        """The page has seen a frame."""
         if self._unseen:
-            self._unseen.popleft()
+            self._unseen -= 1
             self._news.set()
 
     async def send_all(self) -> None:
@@ -73,10 +73,10 @@ class Viewer:
                 if frame is not None:
                     self._frames -= 1
                     text = text or json.dumps({"method": "frame", "params": frame})
-                    self._unseen.append(len(text))
+                    self._unseen += 1
                 await self._connection.send_text(text)
             self._news.clear()
             await self._news.wait()
 
     def _must_wait(self, frame: Frame | None) -> bool:
-        return frame is not None and sum(self._unseen) >= _MOST_UNSEEN
+        return frame is not None and self._unseen >= _MOST_UNSEEN

@@ -11,13 +11,13 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 from tests.studio.server.running_studio import SEEN, Studio
 
@@ -63,9 +63,7 @@ def measure(link: str, server: int, minutes: float, pages: int) -> int:
         slow = Reader(link, pause=0.5)
         for reader in (*readers, slow):
             reader.start()
-        threading.Thread(
-            target=lambda: [hand.send(SEEN) for text in hand if '"frame"' in text[:40]], daemon=True
-        ).start()
+        threading.Thread(target=_see_all, args=(hand,), daemon=True).start()
         begin = time.monotonic()
         memory: list[float] = []
         while time.monotonic() - begin < minutes * 60:
@@ -79,6 +77,13 @@ def measure(link: str, server: int, minutes: float, pages: int) -> int:
                 flush=True,
             )
     return int(len(memory) > _WARM + 1 and memory[-1] > 1.05 * memory[_WARM])
+
+
+def _see_all(page: ClientConnection) -> None:
+    with suppress(ConnectionClosed):
+        for message in page:
+            if '"frame"' in message[:40]:
+                page.send(SEEN)
 
 
 def _megabytes(process: int) -> float:
