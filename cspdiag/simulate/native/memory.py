@@ -61,18 +61,23 @@ class MemoryReport:
         entries: list[tuple[str, int, int]] = []
         for item in self.sizes.classes:
             entries.append((f"{item.kind} {item.name}", item.count, item.bytes))
-        name_width = max([len(name) for name, _, _ in entries] + [len("channels")])
+        frames = [f"frame of {name}" for name, _ in self.frames]
+        widths = [len(name) for name, _, _ in entries] + [len(name) - 17 for name in frames]
+        name_width = max(*widths, len("channels"))
         for name, count, size in entries:
-            rows.append(f"  {name:<{name_width}} {count:>7} x {size:>6} = {_bytes(count * size):>9}")
+            rows.append(f"  {name:<{name_width}} {count:>7} x {size:>6} = {_bytes(count * size):>11}")
         rows.append(
-            f"  {'channels':<{name_width}} {self.sizes.channels:>7}          = {_bytes(self.sizes.channel_bytes):>9}"
+            f"  {'channels':<{name_width}} {self.sizes.channels:>7}          = {_bytes(self.sizes.channel_bytes):>11}"
         )
         parts = sum(count * size for _, count, size in entries) + self.sizes.channel_bytes
-        rows.append(f"  {'ports and kernel':<{name_width + 19}} {_bytes(max(self.data - parts, 0)):>9}")
+        rows.append(f"  {'ports and kernel':<{name_width + 19}} {_bytes(max(self.data - parts, 0)):>11}")
         bound = "stack, at most" if self.exact else "stack, about"
-        rows.append(f"  {bound:<{name_width + 19}} {_bytes(self.stack):>9}")
-        rows += [f"    {f'frame of {name}':<{name_width + 17}} {_bytes(size):>9}" for name, size in self.frames]
-        rows.append(f"  {'total':<{name_width + 19}} {_bytes(self.data + self.stack):>9}")
+        rows.append(f"  {bound:<{name_width + 19}} {_bytes(self.stack):>11}")
+        rows += [
+            f"    {frame:<{name_width + 17}} {_bytes(size):>11}"
+            for frame, (_, size) in zip(frames, self.frames, strict=True)
+        ]
+        rows.append(f"  {'total':<{name_width + 19}} {_bytes(self.data + self.stack):>11}")
         return "\n".join(rows)
 
 

@@ -96,8 +96,8 @@ def test_the_opposite_of_a_condition(condition: Code, opposite: str) -> None:
 
 def test_no_branch_is_empty() -> None:
     remark, done = Remark("nothing to do"), store(a, b)
-    assert choose(SAME, [remark], [done]) == [remark, If(negated(SAME), (done,))]
-    assert choose(SAME, [done], [remark]) == [remark, If(SAME, (done,))]
+    assert choose(SAME, [remark], [done]) == [If(negated(SAME), (done,))]
+    assert choose(SAME, [done], [remark]) == [If(SAME, (done,))]
     assert choose(SAME, [remark], []) == [remark]
     assert lines(choose(SAME, [done], choose(LESS, [done], [run("stop()")]))) == [
         "if (a == b) {",
@@ -108,6 +108,10 @@ def test_no_branch_is_empty() -> None:
         "    stop();",
         "}",
     ]
+
+
+def test_no_comment_is_repeated() -> None:
+    assert lines([Remark("x := 1"), Remark("x := 1"), run("stop()")]) == ["/* x := 1 */", "stop();"]
 
 
 @pytest.mark.parametrize(
@@ -139,7 +143,7 @@ MODELS = ("jiwy", "cascade", "dining", "emergency", "watchdog", "buffer")
 @pytest.mark.parametrize(("name", "level"), [*product(MODELS, (0, 1))])
 def test_a_reviewer_finds_none_of_these(name: str, level: int) -> None:
     """Finds long lines, empty bodies, comparisons in the wrong direction, comma operators, addresses of dereferenced
-    pointers, and double parentheses.
+    pointers, double parentheses, results that are not looked at, and what is said or tested twice.
     """
     package = pipeline.generate(network(name), read, "c", level)
     objections = {
@@ -150,6 +154,10 @@ def test_a_reviewer_finds_none_of_these(name: str, level: int) -> None:
         "needless parentheses": r"!\((\w|->|\.)+\)|\(\((\w|->|\.)+\)\)",
         "jump to the next statement": r"goto (\w+);\s*\1:",
         "zero that is added": r"\+ -?0\.0f?\b",
+        "comment that is repeated": r"( */\*.*\*/\n)\1",
+        "ignored result of a law": r"\(void\)\w+_calculate\(",
+        "return at the end": r"return;\n\s*}\n}",
+        "value that has been tested": r"csp_finite\(csp, self->\w*(law|servo|velocity)(\.|_)control,",
         "test of a literal": r"(finite\w*|csp_real\w*)\((csp, )?-?[\d.]+[,)]",
         "end that is named after a number": r"self->\w*feedback_\d",
     }

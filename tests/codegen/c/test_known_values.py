@@ -56,7 +56,7 @@ def jiwy() -> Mapping[str, str]:
 
 def test_the_gains_of_jiwy_are_computed_with_once_for_each_change() -> None:
     text = jiwy()["joint_control.c"]
-    (law,) = re.findall(r"^static bool joint_control_homing_servo_calculate\(.*?^}$", text, re.MULTILINE | re.DOTALL)
+    (law,) = re.findall(r"^static void joint_control_homing_servo_calculate\(.*?^}$", text, re.MULTILINE | re.DOTALL)
     again = re.search(r"if \(self->homing_servo_changes != csp->changes\) \{(.*?)\n    \}\n", law, re.DOTALL)
     assert again is not None
     assert "csp_seconds(self->gains->tauD)" in again[1]

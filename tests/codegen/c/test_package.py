@@ -149,6 +149,7 @@ def test_the_memory_is_what_the_compiler_says(compiler: str, monkeypatch: pytest
     assert report.text.splitlines()[-1].startswith("  total")
     assert [size for _, size in report.frames] == sorted((size for _, size in report.frames), reverse=True)
     assert f"frame of {report.frames[0][0]}" in report.text
+    assert len({len(line) for line in report.text.splitlines() if line.endswith(" bytes")}) == 1
 
 
 def test_the_deepest_calls_make_the_stack() -> None:

@@ -87,7 +87,8 @@ class Pointers:
 
     def _member(self, owner: str, path: str, member: Member) -> Iterator[_Row]:
         inside, whole = f"{path}{member.name}", self._layout.count(member.extents)
-        count = " * ".join(member.extents) if member.extents else "1U"
+        extents = [f"{extent}U" if extent.isdecimal() else extent for extent in member.extents]
+        count = " * ".join(extents) if extents else "1U"
         if member.kind:
             places = [inside] if not member.extents else [f"{inside}[{index}]" for index in range(whole)]
             for place in places:

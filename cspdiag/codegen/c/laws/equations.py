@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import CSP, OR, SUM, Code, address, call, cast, code, infix, negated, own
+from cspdiag.codegen.c.text.code import CSP, OR, SUM, Call, Code, address, call, cast, code, infix, negated, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
-from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, define, return_if, run, store
-from cspdiag.codegen.shared.laws.equations import Equation
+from cspdiag.codegen.c.text.statements import If, Plain, Remark, Statement, choose, define, return_if, run, store
+from cspdiag.codegen.shared.laws.equations import Equation, is_tested
 from cspdiag.model.names.described import LANGUAGE
-from cspdiag.model.types import RealType, is_single
+from cspdiag.model.types import is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression, FunctionCall
@@ -102,8 +102,9 @@ class EquationWriter:
         if isinstance(equation, ExternalCall):
             return None
         value = equation.value
-        if not (isinstance(value, FunctionCall) and value.function == "finite" and isinstance(value.type, RealType)):
+        if not is_tested(value):
             return None
+        assert isinstance(value, FunctionCall)
         (part,) = value.arguments
         return None if self.printer.faults(part) else part
 
@@ -135,6 +136,22 @@ def set_to(target: Target, value: Code, remark: str | None = None) -> Plain:
 def end_if_faulted(place: str) -> list[Statement]:
     """The check for a fault in a function that returns whether it succeeded."""
     return [return_if(call("csp_faulted_at", quoted(place)), "false")]
+
+
+def leave_if_faulted(place: str) -> list[Statement]:
+    """The check for a fault in a function without a result, whose caller checks for one."""
+    return [return_if(call("csp_faulted_at", quoted(place)))]
+
+
+def without_last_return(statements: Sequence[Statement]) -> list[Statement]:
+    """The body of such a function, whose last check for a fault need not return."""
+    match statements:
+        case [*before, If(condition=Call(function="csp_faulted_at", arguments=arguments), otherwise=())]:
+            return [*before, Plain(Call("csp_fault_in", arguments))]
+        case [*before, If(otherwise=()) as last]:
+            return [*before, If(last.condition, tuple(without_last_return(last.then)))]
+        case _:  # Any other body.
+            return list(statements)
 
 
 def record_fault_place(place: str) -> list[Statement]:

@@ -8,7 +8,14 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, end_if_faulted, record_fault_place
+from cspdiag.codegen.c.laws.equations import (
+    EquationWriter,
+    LocalVariable,
+    Target,
+    leave_if_faulted,
+    record_fault_place,
+    without_last_return,
+)
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
 from cspdiag.codegen.c.text.code import CSP, PRODUCT, Code, address, call, cast, code, ignored, infix, own
 from cspdiag.codegen.c.text.documents import comment, wrapped
@@ -22,7 +29,6 @@ from cspdiag.codegen.c.text.statements import (
     Statement,
     define,
     lines,
-    return_value,
     run,
     signature,
     store,
@@ -217,14 +223,14 @@ class LawFiles:
     def _prototypes(self) -> list[str]:
         durations = any(isinstance(item.type, TimeType) for item in self.class_.parameters)
         resets_fail = "reset" in law_verbs(self.class_)
+        failing = "; csp_faulted says whether it failed"
         return [
             f"/* Before the first run{'; durations are in nanoseconds' if durations else ''}. */",
             *signature(f"void {self.name}_initialize", self._parameters(), ";"),
-            f"/* Puts the states back to their initial values{'; false after a fault' if resets_fail else ''}. */",
-            f"{'bool' if resets_fail else 'void'} {self.name}_reset({', '.join(self._given('reset'))});",
-            "/* One run, from inputs to outputs and next states"
-            + ("; false after a fault. */" if self.can_fault else ". */"),
-            f"{'bool' if self.can_fault else 'void'} {self.name}_calculate({', '.join(self._given('calculate'))});",
+            f"/* Puts the states back to their initial values{failing if resets_fail else ''}. */",
+            f"void {self.name}_reset({', '.join(self._given('reset'))});",
+            "/* One run, from inputs to outputs and next states" + (f"{failing}. */" if self.can_fault else ". */"),
+            f"void {self.name}_calculate({', '.join(self._given('calculate'))});",
         ]
 
     # ---- The source
@@ -250,7 +256,7 @@ class LawFiles:
         return Printer(self.types, parameter=lvalue, signal=lvalue, seconds=seconds)
 
     def _writer(self, printer: Printer, *, checked: bool = True) -> EquationWriter:
-        check = end_if_faulted if checked else record_fault_place
+        check = leave_if_faulted if checked else record_fault_place
         return EquationWriter(printer, self._place, check, lambda name: own(self.members[name]), body_name)
 
     def _source(self) -> str:
@@ -299,8 +305,7 @@ class LawFiles:
             statements += setup
             body = address(own(self.members[called.name]))
             statements.append(run(call(f"{body_name(called)}_initialize", body, *arguments)))
-        reset = call(f"{self.name}_reset", *kernel_of(law_verbs(class_), "reset"), "self")
-        statements.append(run(ignored(reset) if "reset" in law_verbs(class_) else reset))
+        statements.append(run(call(f"{self.name}_reset", *kernel_of(law_verbs(class_), "reset"), "self")))
         return [Function(f"void {self.name}_initialize", tuple(self._parameters()), tuple(statements))]
 
     def _is_passed_on(self, name: str) -> bool:
@@ -314,12 +319,11 @@ class LawFiles:
             statements += writer.reset(own(self.members[state.name]), state)
         for called in self._calls:
             statements.append(run(call(f"{body_name(called)}_reset", address(own(self.members[called.name])))))
-        if "reset" in law_verbs(self.class_):
-            return [self._function("bool", "reset", [*statements, return_value("true")])]
-        return [self._function("void", "reset", statements or [run("(void)self")])]
+        return [self._function("reset", statements)]
 
-    def _function(self, return_type: str, verb: str, body: list[Statement]) -> Function:
-        return Function(f"{return_type} {self.name}_{verb}", tuple(self._given(verb)), tuple(body))
+    def _function(self, verb: str, body: list[Statement]) -> Function:
+        statements = without_last_return(body) or [run(ignored(code("self")))]
+        return Function(f"void {self.name}_{verb}", tuple(self._given(verb)), tuple(statements))
 
     def _given(self, verb: str) -> list[str]:
         """The first parameters of a function."""
@@ -375,10 +379,7 @@ class LawFiles:
             statements += self._integration_statements(printer, places)
         for name, value in class_.next_values:
             statements += writer.assign(own(self.members[name]), value, places[name])
-        statements += self._state_updates()
-        if self.can_fault:
-            statements.append(return_value("true"))
-        return [self._function("bool" if self.can_fault else "void", "calculate", statements or [run("(void)self")])]
+        return [self._function("calculate", [*statements, *self._state_updates()])]
 
     def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:
         type_name = self.types.type_name(self.signal_types[name])

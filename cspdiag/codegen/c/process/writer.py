@@ -226,12 +226,12 @@ class Writer:
         if function and tuple(function) not in self.functions:
             self.functions.append(tuple(function))
 
-    def law_function(self, law: str, body: Sequence[Statement], result: str, remark: Remark) -> str:
+    def law_function(self, law: str, body: Sequence[Statement], remark: Remark) -> str:
         """The name of the function for a run of an inlined law; equal runs share one."""
         key = (law, tuple(body))
         if key not in self._laws:
             name = self._laws[key] = self.states.fresh(f"{self.struct}_{identifier(snake_case(law))}_calculate")
-            head = f"static {result} {name}"
+            head = f"static void {name}"
             kernel = (KERNEL,) if mentions_kernel(key[1]) else ()
             self.add_function([remark, Function(head, (*kernel, f"struct {self.struct} *self"), key[1])])
         return self._laws[key]

@@ -191,17 +191,17 @@ class Goto(Code):
 
 @record
 class Return(Code):
-    """``return value``."""
+    """``return value``, or ``return`` in a function without a result."""
 
-    value: Code
+    value: Code | None = None
 
     def _document(self) -> Document:
-        return ("return ", self.value.document)
+        return "return" if self.value is None else ("return ", self.value.document)
 
 
-def return_if(condition: Code, value: Code | str) -> If:
+def return_if(condition: Code, value: Code | str | None = None) -> If:
     """``if (condition) return value;``."""
-    return If(condition, (return_value(value),))
+    return If(condition, (Plain(Return()) if value is None else return_value(value),))
 
 
 def goto_if(condition: Code, label: str) -> If:
@@ -210,13 +210,13 @@ def goto_if(condition: Code, label: str) -> If:
 
 
 def choose(condition: Code, then: Sequence[Statement], otherwise: Sequence[Statement] = ()) -> list[Statement]:
-    """A conditional statement without empty branches; the comments of branches that do nothing are put before it."""
+    """A conditional statement without empty branches. Comments of a branch that does nothing are left out if the other
+    one does something: they would stand above the condition of that.
+    """
     if has_effect(then):
-        if has_effect(otherwise):
-            return [If(condition, tuple(then), tuple(otherwise))]
-        return [*otherwise, If(condition, tuple(then))]
+        return [If(condition, tuple(then), tuple(otherwise) if has_effect(otherwise) else ())]
     if has_effect(otherwise):
-        return [*then, If(negated(condition), tuple(otherwise))]
+        return [If(negated(condition), tuple(otherwise))]
     return [*then, *otherwise]
 
 
@@ -252,9 +252,14 @@ def signature(head: str, parameters: Sequence[str], tail: str = "") -> list[str]
 
 
 def lines(statements: Iterable[Statement], depth: int = 0) -> list[str]:
-    """The text of statements, as lines."""
-    items = list(statements)
+    """The text of statements, as lines; a comment that says what the one above it says is left out."""
+    given = list(statements)
+    items = [item for before, item in zip([None, *given], given, strict=False) if _is_news(item, before)]
     return [line for position, item in enumerate(items) for line in _lines(item, depth, items, position + 1)]
+
+
+def _is_news(item: Statement, before: Statement | None) -> bool:
+    return not (isinstance(item, Remark) and item == before)
 
 
 def _lines(statement: Statement, depth: int, items: Sequence[Statement], following: int) -> Iterator[str]:

@@ -6,10 +6,17 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import replaced
-from cspdiag.model.types import Type
+from cspdiag.model.types import RealType, Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.expressions import Expression, ParameterValue, PresentTime, SignalValue, TunableValue
+from cspdiag.network.ir.expressions import (
+    Expression,
+    FunctionCall,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    TunableValue,
+)
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass, SubmodelState
 from cspdiag.network.ir.walk import parts
 
@@ -43,6 +50,21 @@ def defined(equation: Equation) -> tuple[str, ...]:
     if isinstance(equation, ExternalCall):
         return tuple(local for _, local, _ in equation.outputs)
     return (equation.name,)
+
+
+def finite_signals(equations: Iterable[Equation]) -> frozenset[str]:
+    """The signals that are tested for being finite wherever they are computed."""
+    tested: set[str] = set()
+    others: set[str] = set()
+    for equation in equations:
+        known = isinstance(equation, SubmodelEquation) and is_tested(equation.value)
+        (tested if known else others).update(defined(equation))
+    return frozenset(tested - others)
+
+
+def is_tested(value: Expression) -> bool:
+    """Whether evaluating a real number is a fault if it is not finite."""
+    return isinstance(value, FunctionCall) and value.function == "finite" and isinstance(value.type, RealType)
 
 
 def needed(equations: Sequence[Equation], roots: Iterable[str], *, calls: bool = True) -> list[Equation]:

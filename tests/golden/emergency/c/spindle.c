@@ -27,15 +27,11 @@ static csp_party *spindle_repeat_law_step(csp_kernel *csp, csp_party *party)
                 csp_sampled_read_again(csp, party, &self->feedback, &self->law.feedback,
                     sizeof(self->law.feedback)),
                 REPEAT_LAW_READS_FEEDBACK, fails)
-            (void)spindle_controller_calculate(csp, &self->law);
+            spindle_controller_calculate(csp, &self->law);
             if (csp_raised_in(csp, party, "law", "emergency.csp:8")) {
                 goto fails;
             }
             if (csp_refused(csp, party)) {
-                goto fails;
-            }
-            csp_finite(csp, self->law.control, self->control->name);
-            if (csp_raised_in(csp, party, "law", "emergency.csp:8")) {
                 goto fails;
             }
             (void)csp_latched_write(party, self->control, &self->law.control,

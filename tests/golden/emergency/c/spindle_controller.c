@@ -15,13 +15,10 @@ void spindle_controller_reset(struct spindle_controller *self)
     (void)self;
 }
 
-bool spindle_controller_calculate(csp_kernel *csp, struct spindle_controller *self)
+void spindle_controller_calculate(csp_kernel *csp, struct spindle_controller *self)
 {
     /* emergency.csp:12 */
     self->control = csp_real(csp,
         csp_limit(0.05 * self->feedback + 0.5 * (self->speed - self->feedback), -24.0, 24.0));
-    if (csp_faulted_at(csp, "emergency.csp:12")) {
-        return false;
-    }
-    return true;
+    csp_fault_in(csp, "emergency.csp:12");
 }

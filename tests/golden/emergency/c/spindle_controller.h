@@ -21,7 +21,7 @@ struct spindle_controller {
 void spindle_controller_initialize(struct spindle_controller *self, double speed);
 /* Puts the states back to their initial values. */
 void spindle_controller_reset(struct spindle_controller *self);
-/* One run, from inputs to outputs and next states; false after a fault. */
-bool spindle_controller_calculate(csp_kernel *csp, struct spindle_controller *self);
+/* One run, from inputs to outputs and next states; csp_faulted says whether it failed. */
+void spindle_controller_calculate(csp_kernel *csp, struct spindle_controller *self);
 
 #endif

@@ -33,7 +33,7 @@ enum {
  * for `dwell` although the controller drives with more than `effort`; `max` is where the joint
  * is. (jiwy.csp:39)
  */
-static bool joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joint_control *self)
+static void joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joint_control *self)
 {
     /* laws.csp:103 */
     const double difference = self->alignL_velocity_moving
@@ -41,14 +41,14 @@ static bool joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joi
             self->alignL_velocity_sample)
         : 0.0;
     if (csp_faulted_at(csp, "laws.csp:103")) {
-        return false;
+        return;
     }
     /* laws.csp:104 */
     const double velocity = self->alignL_velocity_filtered
         + csp_divide(csp, self->alignL_velocity_sample, 0.02 + self->alignL_velocity_sample)
             * (difference - self->alignL_velocity_filtered);
     if (csp_faulted_at(csp, "laws.csp:104")) {
-        return false;
+        return;
     }
     const double error = -1.0 - velocity; /* laws.csp:105 */
     /* laws.csp:106 */
@@ -72,7 +72,7 @@ static bool joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joi
         csp_finite_at(csp, ui_next, "laws.csp:113");
         csp_finite_at(csp, pressed_next, "laws.csp:117");
         if (csp_faulted_at(csp, "laws.csp:117")) {
-            return false;
+            return;
         }
     }
     self->alignL_velocity_moving = true; /* laws.csp:110 */
@@ -80,7 +80,6 @@ static bool joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joi
     self->alignL_velocity_filtered = filtered_next; /* laws.csp:112 */
     self->alignL_velocity_ui = ui_next; /* laws.csp:113 */
     self->alignL_velocity_pressed = pressed_next; /* laws.csp:117 */
-    return true;
 }
 
 /* alignR.velocity: Constant speed: PI on the filtered difference of the encoder, its output
@@ -88,7 +87,7 @@ static bool joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joi
  * for `dwell` although the controller drives with more than `effort`; `max` is where the joint
  * is. (jiwy.csp:39)
  */
-static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joint_control *self)
+static void joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joint_control *self)
 {
     /* laws.csp:103 */
     const double difference = self->alignR_velocity_moving
@@ -96,14 +95,14 @@ static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joi
             self->alignR_velocity_sample)
         : 0.0;
     if (csp_faulted_at(csp, "laws.csp:103")) {
-        return false;
+        return;
     }
     /* laws.csp:104 */
     const double velocity = self->alignR_velocity_filtered
         + csp_divide(csp, self->alignR_velocity_sample, 0.02 + self->alignR_velocity_sample)
             * (difference - self->alignR_velocity_filtered);
     if (csp_faulted_at(csp, "laws.csp:104")) {
-        return false;
+        return;
     }
     const double error = 1.0 - velocity; /* laws.csp:105 */
     /* laws.csp:106 */
@@ -127,7 +126,7 @@ static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joi
         csp_finite_at(csp, ui_next, "laws.csp:113");
         csp_finite_at(csp, pressed_next, "laws.csp:117");
         if (csp_faulted_at(csp, "laws.csp:117")) {
-            return false;
+            return;
         }
     }
     self->alignR_velocity_moving = true; /* laws.csp:110 */
@@ -135,7 +134,6 @@ static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joi
     self->alignR_velocity_filtered = filtered_next; /* laws.csp:112 */
     self->alignR_velocity_ui = ui_next; /* laws.csp:113 */
     self->alignR_velocity_pressed = pressed_next; /* laws.csp:117 */
-    return true;
 }
 
 /* motionControl.servo: Position servo of one joint. The set-point counts from the centre between
@@ -143,7 +141,7 @@ static bool joint_control_align_r_velocity_calculate(csp_kernel *csp, struct joi
  * friction is added in the direction in which the profile moves. `stop` tells that the joint has
  * stood where it should for `dwell`. (jiwy.csp:68)
  */
-static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
+static void joint_control_motion_control_servo_calculate(csp_kernel *csp,
     struct joint_control *self)
 {
     const double pid_beta = self->gains->beta; /* laws.csp:6 */
@@ -155,7 +153,7 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
         self->motionControl_servo_pid_f =
             csp_divide(csp, 1.0, self->motionControl_servo_sample + pid_tauD * pid_beta);
         if (csp_faulted_at(csp, "laws.csp:14")) {
-            return false;
+            return;
         }
         self->motionControl_servo_pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
         /* jiwy.csp:68 */
@@ -172,7 +170,7 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
         csp_limit(centre + 1.25 * self->motionControl_servo_setpoint,
             self->motionControl_servo_leftmax + 0.05, self->motionControl_servo_rightmax - 0.05));
     if (csp_faulted_at(csp, "laws.csp:72")) {
-        return false;
+        return;
     }
     /* laws.csp:35 */
     const double profile_from = self->motionControl_servo_profile_moving
@@ -194,7 +192,7 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
         + csp_divide(csp, self->motionControl_servo_sample * pid_d,
             self->motionControl_servo_pid_tauI);
     if (csp_faulted_at(csp, "laws.csp:16")) {
-        return false;
+        return;
     }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
@@ -229,7 +227,7 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
         csp_finite_at(csp, pid_ui_next, "laws.csp:22");
         csp_finite_at(csp, arrived_next, "laws.csp:81");
         if (csp_faulted_at(csp, "laws.csp:81")) {
-            return false;
+            return;
         }
     }
     self->motionControl_servo_profile_moving = true; /* laws.csp:38 */
@@ -238,7 +236,6 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
     self->motionControl_servo_pid_ud = pid_ud_next; /* laws.csp:21 */
     self->motionControl_servo_pid_ui = pid_ui_next; /* laws.csp:22 */
     self->motionControl_servo_arrived = arrived_next; /* laws.csp:81 */
-    return true;
 }
 
 /* homing.servo: Position servo of one joint. The set-point counts from the centre between the
@@ -246,7 +243,7 @@ static bool joint_control_motion_control_servo_calculate(csp_kernel *csp,
  * friction is added in the direction in which the profile moves. `stop` tells that the joint has
  * stood where it should for `dwell`. (jiwy.csp:97)
  */
-static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_control *self)
+static void joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_control *self)
 {
     const double pid_beta = self->gains->beta; /* laws.csp:6 */
     const double pid_kp = self->gains->kp; /* laws.csp:6 */
@@ -257,7 +254,7 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
         self->homing_servo_pid_f =
             csp_divide(csp, 1.0, self->homing_servo_sample + pid_tauD * pid_beta);
         if (csp_faulted_at(csp, "laws.csp:14")) {
-            return false;
+            return;
         }
         self->homing_servo_pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
         self->homing_servo_sample_kp = self->homing_servo_sample * pid_kp; /* jiwy.csp:97 */
@@ -272,7 +269,7 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
         csp_limit(csp_positive_zero(centre), self->homing_servo_leftmax + 0.05,
             self->homing_servo_rightmax - 0.05));
     if (csp_faulted_at(csp, "laws.csp:72")) {
-        return false;
+        return;
     }
     /* laws.csp:35 */
     const double profile_from = self->homing_servo_profile_moving
@@ -293,7 +290,7 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
     const double pid_i = self->homing_servo_pid_ui
         + csp_divide(csp, self->homing_servo_sample * pid_d, self->homing_servo_pid_tauI);
     if (csp_faulted_at(csp, "laws.csp:16")) {
-        return false;
+        return;
     }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
@@ -328,7 +325,7 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
         csp_finite_at(csp, pid_ui_next, "laws.csp:22");
         csp_finite_at(csp, arrived_next, "laws.csp:81");
         if (csp_faulted_at(csp, "laws.csp:81")) {
-            return false;
+            return;
         }
     }
     self->homing_servo_profile_moving = true; /* laws.csp:38 */
@@ -337,7 +334,6 @@ static bool joint_control_homing_servo_calculate(csp_kernel *csp, struct joint_c
     self->homing_servo_pid_ud = pid_ud_next; /* laws.csp:21 */
     self->homing_servo_pid_ui = pid_ui_next; /* laws.csp:22 */
     self->homing_servo_arrived = arrived_next; /* laws.csp:81 */
-    return true;
 }
 
 static csp_party *joint_control_homing_run_servo_step(csp_kernel *csp, csp_party *party)
@@ -366,16 +362,12 @@ static csp_party *joint_control_homing_run_servo_step(csp_kernel *csp, csp_party
                     &self->homing_servo_feedback, sizeof(self->homing_servo_feedback)),
                 HOMING_RUN_SERVO_READS_FEEDBACK, fails)
             /* homing.servo (jiwy.csp:97) */
-            (void)joint_control_homing_servo_calculate(csp, self);
+            joint_control_homing_servo_calculate(csp, self);
             if (csp_raised_in(csp, party, "homing.servo", "jiwy.csp:97")) {
                 goto fails;
             }
             /* PositionController (laws.csp:56) */
             if (csp_refused(csp, party)) {
-                goto fails;
-            }
-            csp_finite(csp, self->homing_servo_control, self->control->name);
-            if (csp_raised_in(csp, party, "homing.servo", "laws.csp:56")) {
                 goto fails;
             }
             (void)csp_latched_write(party, self->control, &self->homing_servo_control,
@@ -433,16 +425,12 @@ static csp_party *joint_control_align_r_run_velocity_step(csp_kernel *csp, csp_p
                     &self->alignR_velocity_feedback, sizeof(self->alignR_velocity_feedback)),
                 ALIGN_R_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignR.velocity (jiwy.csp:39) */
-            (void)joint_control_align_r_velocity_calculate(csp, self);
+            joint_control_align_r_velocity_calculate(csp, self);
             if (csp_raised_in(csp, party, "alignR.velocity", "jiwy.csp:39")) {
                 goto fails;
             }
             /* VelocityController (laws.csp:88) */
             if (csp_refused(csp, party)) {
-                goto fails;
-            }
-            csp_finite(csp, self->alignR_velocity_control, self->control->name);
-            if (csp_raised_in(csp, party, "alignR.velocity", "laws.csp:88")) {
                 goto fails;
             }
             (void)csp_latched_write(party, self->control, &self->alignR_velocity_control,
@@ -501,16 +489,12 @@ static csp_party *joint_control_align_l_run_velocity_step(csp_kernel *csp, csp_p
                     &self->alignL_velocity_feedback, sizeof(self->alignL_velocity_feedback)),
                 ALIGN_L_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignL.velocity (jiwy.csp:39) */
-            (void)joint_control_align_l_velocity_calculate(csp, self);
+            joint_control_align_l_velocity_calculate(csp, self);
             if (csp_raised_in(csp, party, "alignL.velocity", "jiwy.csp:39")) {
                 goto fails;
             }
             /* VelocityController (laws.csp:88) */
             if (csp_refused(csp, party)) {
-                goto fails;
-            }
-            csp_finite(csp, self->alignL_velocity_control, self->control->name);
-            if (csp_raised_in(csp, party, "alignL.velocity", "laws.csp:88")) {
                 goto fails;
             }
             (void)csp_latched_write(party, self->control, &self->alignL_velocity_control,
@@ -706,7 +690,6 @@ static csp_party *joint_control_motion_control(csp_kernel *csp, csp_party *party
             CSP_AWAIT(csp_select(csp, party, &self->motionControl_choice.alternative),
                 csp_select_again(csp, party, &self->motionControl_choice.alternative),
                 MOTION_CONTROL_CHOOSES, motion_control_catches_timeout)
-            /* joystick_buttons ? status (jiwy.csp:68) */
             if (self->motionControl_choice.alternative.chosen != 0U) {
                 /* feedback (jiwy.csp:68) */
                 /* PositionController (laws.csp:56) */
@@ -740,16 +723,12 @@ static csp_party *joint_control_motion_control(csp_kernel *csp, csp_party *party
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
                     MOTION_CONTROL_READS_INPUTS, motion_control_catches_timeout)
                 /* motionControl.servo (jiwy.csp:68) */
-                (void)joint_control_motion_control_servo_calculate(csp, self);
+                joint_control_motion_control_servo_calculate(csp, self);
                 if (csp_raised_in(csp, party, "motionControl.servo", "jiwy.csp:68")) {
                     goto motion_control_catches_timeout;
                 }
                 /* PositionController (laws.csp:56) */
                 if (csp_refused(csp, party)) {
-                    goto motion_control_catches_timeout;
-                }
-                csp_finite(csp, self->motionControl_servo_control, self->control->name);
-                if (csp_raised_in(csp, party, "motionControl.servo", "laws.csp:56")) {
                     goto motion_control_catches_timeout;
                 }
                 (void)csp_latched_write(party, self->control, &self->motionControl_servo_control,

@@ -193,7 +193,7 @@ static const csp_pointer_member pointers_of_joint_control_members[] = {
         sizeof(csp_alternative), &pointers_of_csp_alternative
     },
     {
-        offsetof(struct joint_control, motionControl_choice.guards), 2, sizeof(csp_guard),
+        offsetof(struct joint_control, motionControl_choice.guards), 2U, sizeof(csp_guard),
         &pointers_of_csp_guard
     },
     {
@@ -221,7 +221,7 @@ static const csp_pointer_member pointers_of_joint_control_members[] = {
         offsetof(struct joint_control, homing_interrupt_run_servo), 1U, sizeof(csp_interrupt),
         &pointers_of_csp_interrupt
     },
-    {offsetof(struct joint_control, offers_made), 2, sizeof(csp_offer), &pointers_of_csp_offer}
+    {offsetof(struct joint_control, offers_made), 2U, sizeof(csp_offer), &pointers_of_csp_offer}
 };
 static const csp_pointers pointers_of_joint_control = {pointers_of_joint_control_members, 24U};
 

@@ -25,15 +25,11 @@ static csp_party *align_repeat_velocity_step(csp_kernel *csp, csp_party *party)
                 csp_sampled_read_again(csp, party, &self->feedback, &self->velocity.feedback,
                     sizeof(self->velocity.feedback)),
                 REPEAT_VELOCITY_READS_FEEDBACK, fails)
-            (void)velocity_controller_calculate(csp, &self->velocity);
+            velocity_controller_calculate(csp, &self->velocity);
             if (csp_raised_in(csp, party, "velocity", "laws.csp:88")) {
                 goto fails;
             }
             if (csp_refused(csp, party)) {
-                goto fails;
-            }
-            csp_finite(csp, self->velocity.control, self->control->name);
-            if (csp_raised_in(csp, party, "velocity", "laws.csp:88")) {
                 goto fails;
             }
             (void)csp_latched_write(party, self->control, &self->velocity.control,

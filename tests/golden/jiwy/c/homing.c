@@ -36,15 +36,11 @@ static csp_party *homing_repeat_servo_step(csp_kernel *csp, csp_party *party)
                 csp_sampled_read_again(csp, party, &self->feedback, &self->servo.feedback,
                     sizeof(self->servo.feedback)),
                 REPEAT_SERVO_READS_FEEDBACK, fails)
-            (void)position_controller_calculate(csp, &self->servo);
+            position_controller_calculate(csp, &self->servo);
             if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
                 goto fails;
             }
             if (csp_refused(csp, party)) {
-                goto fails;
-            }
-            csp_finite(csp, self->servo.control, self->control->name);
-            if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
                 goto fails;
             }
             (void)csp_latched_write(party, self->control, &self->servo.control,

@@ -22,7 +22,6 @@ static csp_party *motion_control_step(csp_kernel *csp, csp_party *party)
             /* joystick_buttons ? status -> skip []> feedback -> servo (jiwy.csp:68) */
             CSP_AWAIT(csp_select(csp, party, &self->choice.alternative),
                 csp_select_again(csp, party, &self->choice.alternative), CHOOSES, catches_timeout)
-            /* joystick_buttons ? status (jiwy.csp:68) */
             if (self->choice.alternative.chosen != 0U) {
                 /* feedback (jiwy.csp:68) */
                 /* servo (jiwy.csp:68) */
@@ -55,15 +54,11 @@ static csp_party *motion_control_step(csp_kernel *csp, csp_party *party)
                 }
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
                     READS_SERVO, catches_timeout)
-                (void)position_controller_calculate(csp, &self->servo);
+                position_controller_calculate(csp, &self->servo);
                 if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
                     goto catches_timeout;
                 }
                 if (csp_refused(csp, party)) {
-                    goto catches_timeout;
-                }
-                csp_finite(csp, self->servo.control, self->control->name);
-                if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
                     goto catches_timeout;
                 }
                 (void)csp_latched_write(party, self->control, &self->servo.control,

@@ -211,9 +211,9 @@ static const csp_pointer_member pointers_of_motion_control_members[] = {
         offsetof(struct motion_control, choice.alternative), 1U, sizeof(csp_alternative),
         &pointers_of_csp_alternative
     },
-    {offsetof(struct motion_control, choice.guards), 2, sizeof(csp_guard), &pointers_of_csp_guard},
+    {offsetof(struct motion_control, choice.guards), 2U, sizeof(csp_guard), &pointers_of_csp_guard},
     {offsetof(struct motion_control, offers), 1U, sizeof(csp_offers), &pointers_of_csp_offers},
-    {offsetof(struct motion_control, offers_made), 2, sizeof(csp_offer), &pointers_of_csp_offer}
+    {offsetof(struct motion_control, offers_made), 2U, sizeof(csp_offer), &pointers_of_csp_offer}
 };
 static const csp_pointers pointers_of_motion_control = {pointers_of_motion_control_members, 16U};
 

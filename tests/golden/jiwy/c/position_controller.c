@@ -28,13 +28,13 @@ void position_controller_reset(struct position_controller *self)
     self->arrived = 0.0;
 }
 
-bool position_controller_calculate(csp_kernel *csp, struct position_controller *self)
+void position_controller_calculate(csp_kernel *csp, struct position_controller *self)
 {
     const double pid_tauD = csp_seconds(self->gains->tauD); /* laws.csp:6 */
     const double pid_beta = self->gains->beta; /* laws.csp:6 */
     const double pid_f = csp_divide(csp, 1.0, self->sample + pid_tauD * pid_beta); /* laws.csp:14 */
     if (csp_faulted_at(csp, "laws.csp:14")) {
-        return false;
+        return;
     }
     const double pid_kp = self->gains->kp; /* laws.csp:6 */
     const double pid_tauI = csp_seconds(self->gains->tauI); /* laws.csp:6 */
@@ -44,7 +44,7 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
         csp_limit(centre + self->reach * self->setpoint, self->leftmax + self->margin,
             self->rightmax - self->margin));
     if (csp_faulted_at(csp, "laws.csp:72")) {
-        return false;
+        return;
     }
     const double profile_start = self->feedback; /* laws.csp:73 */
     /* laws.csp:35 */
@@ -54,7 +54,7 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
     const double profile_velocity = csp_limit(
         csp_divide(csp, profile_target - profile_from, self->smoothing), -self->rate, self->rate);
     if (csp_faulted_at(csp, "laws.csp:36")) {
-        return false;
+        return;
     }
     const double profile_angle = profile_from + self->sample * profile_velocity; /* laws.csp:37 */
     const double pid_error = profile_angle - self->feedback; /* laws.csp:75 */
@@ -66,7 +66,7 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
     /* laws.csp:16 */
     const double pid_i = self->pid_ui + csp_divide(csp, self->sample * pid_d, pid_tauI);
     if (csp_faulted_at(csp, "laws.csp:16")) {
-        return false;
+        return;
     }
     const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
@@ -98,7 +98,7 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
         csp_finite_at(csp, pid_ui_next, "laws.csp:22");
         csp_finite_at(csp, arrived_next, "laws.csp:81");
         if (csp_faulted_at(csp, "laws.csp:81")) {
-            return false;
+            return;
         }
     }
     self->profile_moving = true; /* laws.csp:38 */
@@ -107,5 +107,4 @@ bool position_controller_calculate(csp_kernel *csp, struct position_controller *
     self->pid_ud = pid_ud_next; /* laws.csp:21 */
     self->pid_ui = pid_ui_next; /* laws.csp:22 */
     self->arrived = arrived_next; /* laws.csp:81 */
-    return true;
 }

@@ -44,7 +44,7 @@ void position_controller_initialize(struct position_controller *self,
     int64_t dwell, double margin, double sample);
 /* Puts the states back to their initial values. */
 void position_controller_reset(struct position_controller *self);
-/* One run, from inputs to outputs and next states; false after a fault. */
-bool position_controller_calculate(csp_kernel *csp, struct position_controller *self);
+/* One run, from inputs to outputs and next states; csp_faulted says whether it failed. */
+void position_controller_calculate(csp_kernel *csp, struct position_controller *self);
 
 #endif

@@ -27,20 +27,20 @@ void velocity_controller_reset(struct velocity_controller *self)
     self->pressed = 0.0;
 }
 
-bool velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *self)
+void velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *self)
 {
     /* laws.csp:103 */
     const double difference =
         self->moving ? csp_divide(csp, self->feedback - self->last, self->sample) : 0.0;
     if (csp_faulted_at(csp, "laws.csp:103")) {
-        return false;
+        return;
     }
     /* laws.csp:104 */
     const double velocity = self->filtered
         + csp_divide(csp, self->sample, self->filter + self->sample)
             * (difference - self->filtered);
     if (csp_faulted_at(csp, "laws.csp:104")) {
-        return false;
+        return;
     }
     const double error = self->speed - velocity; /* laws.csp:105 */
     const double i = self->ui + self->sample * self->ki * error; /* laws.csp:106 */
@@ -62,7 +62,7 @@ bool velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *
         csp_finite_at(csp, ui_next, "laws.csp:113");
         csp_finite_at(csp, pressed_next, "laws.csp:117");
         if (csp_faulted_at(csp, "laws.csp:117")) {
-            return false;
+            return;
         }
     }
     self->moving = true; /* laws.csp:110 */
@@ -70,5 +70,4 @@ bool velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *
     self->filtered = filtered_next; /* laws.csp:112 */
     self->ui = ui_next; /* laws.csp:113 */
     self->pressed = pressed_next; /* laws.csp:117 */
-    return true;
 }

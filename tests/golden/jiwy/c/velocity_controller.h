@@ -39,7 +39,7 @@ void velocity_controller_initialize(struct velocity_controller *self, double spe
     double ki, double pressure, double effort, int64_t filter, int64_t dwell, double sample);
 /* Puts the states back to their initial values. */
 void velocity_controller_reset(struct velocity_controller *self);
-/* One run, from inputs to outputs and next states; false after a fault. */
-bool velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *self);
+/* One run, from inputs to outputs and next states; csp_faulted says whether it failed. */
+void velocity_controller_calculate(csp_kernel *csp, struct velocity_controller *self);
 
 #endif

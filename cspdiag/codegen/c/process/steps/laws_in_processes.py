@@ -6,7 +6,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, end_if_faulted
+from cspdiag.codegen.c.laws.equations import (
+    Check,
+    EquationWriter,
+    LocalVariable,
+    Target,
+    leave_if_faulted,
+    without_last_return,
+)
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
 from cspdiag.codegen.c.laws.laws import body_name, kernel_of, law_may_fault, law_members, law_verbs
 from cspdiag.codegen.c.process.routines import Waiting
@@ -48,10 +55,10 @@ from cspdiag.codegen.c.text.statements import (
     goto,
     goto_if,
     in_block,
-    return_value,
     run,
     store,
 )
+from cspdiag.codegen.shared.laws.equations import finite_signals
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.declared import Declared
@@ -77,6 +84,8 @@ class _Write:
     sink: EndInC
     value: Code
     """An lvalue that exists during the wait."""
+    finite: bool = False
+    """Whether it cannot be NaN or infinite, because the law has tested it."""
 
 
 # ---- Submodels that are classes of their own
@@ -91,17 +100,18 @@ def call_law(writer: Writer, step: ir.RunInstance, class_: SubmodelClass) -> lis
     reads = [
         _law_read(writer, c, member.field(names[_port(c)])) for c in _connections_of(class_, instance.connections, "in")
     ]
+    tested = finite_signals(class_.equations)
     writes: list[_Write] = []
     for connection in _connections_of(class_, instance.connections, "out"):
         end = connection.attachment
         if not isinstance(end, ConstantEnd | DiscardEnd):
-            writes.append(_Write(writer.members.sink(end), member.field(names[_port(connection)])))
+            port = _port(connection)
+            writes.append(_Write(writer.members.sink(end), member.field(names[port]), port in tested))
     outer, writer.inner = writer.inner, step.instance
     law = ir.SkipStep(span=class_.span)  # the place at which -O0 reports the communications of a law
     called = call(f"{struct}_calculate", *kernel_of(law_verbs(class_), "calculate"), address(member))
-    ran = (
-        [run(ignored(called)), writer.raise_noted_fault(writer.where(law))] if law_may_fault(class_) else [run(called)]
-    )
+    check: list[Statement] = [writer.raise_noted_fault(writer.where(law))] if law_may_fault(class_) else []
+    ran = [run(called), *check]
     statements = [*_read_all(writer, law, step.instance, reads), *ran, *_write_all(writer, law, step.instance, writes)]
     writer.inner = outer
     return [writer.remark(step), *statements]
@@ -135,7 +145,7 @@ def reset(writer: Writer, step: ir.ResetInstance) -> list[Statement]:
     called = call(f"{writer.names.classes[class_.name]}_reset", *kernel, member)
     if not kernel:
         return [writer.remark(step), run(called)]
-    return [writer.remark(step), run(ignored(called)), writer.raise_noted_fault(writer.where(step))]
+    return [writer.remark(step), run(called), writer.raise_noted_fault(writer.where(step))]
 
 
 # ---- Control laws that were inlined
@@ -154,7 +164,8 @@ def write_outputs(writer: Writer, step: ir.WriteOutputs) -> list[Statement]:
     for number, write in enumerate(step.writes, 1):
         sink = writer.members.sink(write.sink)
         if isinstance(write.value, SignalValue):
-            writes.append(_Write(sink, writer.printer.signal(write.value.name)))
+            name = write.value.name
+            writes.append(_Write(sink, writer.printer.signal(name), name in writer.members.finite_signals))
             continue
         slot = writer.slot(sink.name, sink.type, "sent" if number == 1 else f"sent_{number}")
         statements += writer.evaluate_into(slot, write.value, writer.where(step))
@@ -179,14 +190,11 @@ def run_inlined_law(writer: Writer, step: ir.RunLaw) -> list[Statement]:
     if not step.derivatives:  # Their integration has local variables of its own.
         names = Names({*writer.members.types.names.globals, "self"})
         local = {name: names[name.removeprefix(f"{step.law}.")] for name in local}
-    body = _law_statements(writer, step, end_if_faulted, local)
-    faulty = any(isinstance(node, Return) for node in nodes(body))
-    name = writer.law_function(
-        step.law, [*body, return_value("true")] if faulty else body, "bool" if faulty else "void", remark
-    )
+    body = _law_statements(writer, step, leave_if_faulted, local)
+    name = writer.law_function(step.law, without_last_return(body), remark)
     called = call(name, *([CSP] if mentions_kernel(body) else []), "self")
-    ran = [run(ignored(called)), *fault_check(writer.where(step))] if faulty else [run(called)]
-    return [Remark(f"{step.law} ({writer.where(step)})"), *ran]
+    check = fault_check(writer.where(step)) if any(isinstance(node, Return) for node in nodes(body)) else []
+    return [Remark(f"{step.law} ({writer.where(step)})"), run(called), *check]
 
 
 def _law_statements(writer: Writer, step: ir.RunLaw, check: Check, local: Mapping[str, str]) -> list[Statement]:
@@ -314,7 +322,7 @@ def _write_without_waiting(
         return []
     if sink.access == "variable":
         return [store(sink.pointer, value), *mark_written(sink)]
-    checks = check_finite(writer, sink, value, writer.where(step))
+    checks = [] if write.finite else check_finite(writer, sink, value, writer.where(step))
     return [*(offers.take_back_if(checks) if offers is not None else checks), hand_over(sink, value)]
 
 

@@ -22,9 +22,10 @@ from cspdiag.codegen.c.text.names import Names
 from cspdiag.codegen.c.text.numbered import Numbered
 from cspdiag.codegen.c.text.statements import Statement
 from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.shared.laws.equations import finite_signals
 from cspdiag.codegen.shared.places_in_arrays import Arrays
 from cspdiag.model.types import IntType, Type
-from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ResetStates
+from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ResetStates, RunLaw
 from cspdiag.network.ir.expressions import ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
     CreatedChoice,
@@ -115,6 +116,8 @@ class Members:
     def _prepare_signals(self) -> None:
         process = self.process
         assert process.body is not None
+        laws = self.inside.of(RunLaw)
+        self.finite_signals = finite_signals([equation for law in laws for equation in law.equations])
         made = made_signals(process.body)
         self.signal_types = {item.name: item.type for item in process.constants}
         self.signal_types |= {item.name: item.type for item in process.states} | made
