@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import json
+import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
+from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 from cspdiag.simulate.hosts.links import PlaceError
+
+_PATIENCE = 1.0
+"""Seconds that what was sent last has to reach the other places."""
 
 
 class ZenohTransport:
@@ -68,7 +74,16 @@ class ZenohTransport:
 
     def close(self) -> None:
         """See ``Transport.close``."""
-        if self._session is not None:
+        if self._session is None:
+            return
+        # Over a link that is gone it waits for ten seconds, and then fails.
+        closing = threading.Thread(target=self._close, name="link", daemon=True)
+        with left_to_the_main_thread():
+            closing.start()
+        closing.join(_PATIENCE)
+
+    def _close(self) -> None:
+        with suppress(_library().ZError):
             self._session.close()
 
 

@@ -1,4 +1,4 @@
-"""A proxy between places, which delays what passes and can cut the connections."""
+"""A proxy between places, which delays what passes, and can cut the connections or fall silent."""
 
 from __future__ import annotations
 
@@ -15,9 +15,12 @@ class Proxy:
         self._target = target
         self._delay = delay
         self._listener = socket.create_server(("127.0.0.1", 0))
+        _hold_little(self._listener)
         self.port = int(self._listener.getsockname()[1])
         self._open: list[socket.socket] = []
         self._is_cut = False
+        self._passes = threading.Event()
+        self._passes.set()
         self._thread = threading.Thread(target=self._accept, daemon=True)
         self._thread.start()
 
@@ -29,6 +32,10 @@ class Proxy:
                 connection.shutdown(socket.SHUT_RDWR)
         self._open.clear()
 
+    def fall_silent(self) -> None:
+        """Passes nothing any more, as a cable that was pulled: connections stay, and nobody is told."""
+        self._passes.clear()
+
     def reopen(self) -> None:
         """Accepts connections again."""
         self._is_cut = False
@@ -36,6 +43,7 @@ class Proxy:
     def close(self) -> None:
         """Ends."""
         self.cut()
+        self._passes.set()
         self._listener.shutdown(socket.SHUT_RDWR)
         self._listener.close()
         self._thread.join()
@@ -50,7 +58,9 @@ class Proxy:
                 client.close()
                 continue
             try:
-                server = socket.create_connection(("127.0.0.1", self._target))
+                server = socket.socket()
+                _hold_little(server)
+                server.connect(("127.0.0.1", self._target))
             except OSError:
                 client.close()
                 continue
@@ -64,7 +74,13 @@ class Proxy:
         with suppress(OSError):
             while data := source.recv(65536):
                 time.sleep(self._delay)
+                self._passes.wait()
                 sink.sendall(data)
         for end in (source, sink):
             with suppress(OSError):
                 end.shutdown(socket.SHUT_RDWR)
+
+
+def _hold_little(connection: socket.socket) -> None:
+    """Lets the system hold so little that nothing more is acknowledged soon after the proxy has fallen silent."""
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)

@@ -69,6 +69,24 @@ def test_a_link_that_was_cut_comes_back(start: Start, tmp_path: Path) -> None:
     assert ",-1" in record.read_text()
 
 
+def test_a_pulled_cable_ends_both_places_with_their_outputs_released(start: Start, tmp_path: Path) -> None:
+    file, port, record = tmp_path / "pair.csp", free_port(), tmp_path / "right.csv"
+    file.write_text(pair(100_000).replace(" catch Timeout -> wait 1 ms", ""))
+    proxy = Proxy(port, 0)
+    try:
+        left = start(file, "left", port, "--real-time")
+        right = start(file, "right", proxy.port, "--real-time", "--record", record)
+        assert eventually(lambda: _began(record), 60)
+        proxy.fall_silent()
+        results = [ended(left), ended(right)]
+    finally:
+        proxy.close()
+    assert [code for code, _ in results] == [1, 1], results
+    assert re.search(r" Timeout: the place `right` has been silent for 1 s, in Pair\.source", results[0][1])
+    assert re.search(r" Timeout: the place `left` has been silent for 1 s, in Pair\.sink", results[1][1])
+    assert record.read_text().splitlines()[-1].endswith(",7")
+
+
 def test_ctrl_c_ends_all_places_with_their_outputs_released(start: Start, tmp_path: Path) -> None:
     file, port, record = tmp_path / "pair.csp", free_port(), tmp_path / "right.csv"
     file.write_text(pair(100_000))
