@@ -5,7 +5,7 @@ import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
 const folder = resolve(process.argv[2]);
-const { loadPyodide } = await import(pathToFileURL(`${folder}/pyodide.mjs`).href);
+const { loadPyodide } = await import(pathToFileURL(`${folder}/pyodide.js`).href);
 const python = await loadPyodide();
 const bytes = readFileSync(`${folder}/cspdiag.zip`);
 python.unpackArchive(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), "zip", { extractDir: "/cspdiag" });

@@ -17,6 +17,9 @@ from shutil import copyfile
 ROOT = Path(__file__).parent.parent
 STUDIO = ROOT / "studio"
 PYODIDE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json")
+"""Its scripts become ``.js``: browsers refuse a module that a server does not name JavaScript, and many do not know
+``.mjs``.
+"""
 PACKAGES = {"jinja2": "Jinja2", "lark": "lark", "markupsafe": "MarkupSafe"}
 """Packages in Python alone, by the folder in which they are, as installed from PyPI."""
 RESOURCES = ("grammars", "manual", "models", "templates")
@@ -85,8 +88,14 @@ def main() -> int:
             print(f"{needed.relative_to(ROOT)} is missing: {how}", file=sys.stderr)
             return 1
     target.mkdir(parents=True, exist_ok=True)
+    for old in target.glob("*.mjs"):
+        old.unlink()
     for name in PYODIDE:
-        copyfile(source / name, target / name)
+        if name.endswith(".mjs"):
+            text = (source / name).read_text(encoding="utf-8").replace("pyodide.asm.mjs", "pyodide.asm.js")
+            (target / name).with_suffix(".js").write_text(text, encoding="utf-8")
+        else:
+            copyfile(source / name, target / name)
     copyfile(script.parent / "LICENSE.md", target / "LICENSE-elkjs.md")
     (target / "LICENCES.txt").write_text(LICENCES, encoding="utf-8")
     (target / "elk.js").write_text(wrapped(script.read_text(encoding="utf-8")), encoding="utf-8")

@@ -10,7 +10,8 @@ import { WebSocketServer } from "ws";
 
 const ROOT = path.join(import.meta.dirname, "..");
 const PYTHON = path.join(ROOT, "../.venv/bin/python");
-const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".mjs": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+// No more than every server knows: the page has to work on all of them.
+const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css" };
 
 async function page(request, response) {
   const { pathname } = new URL(request.url, "http://localhost");

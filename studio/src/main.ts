@@ -258,6 +258,7 @@ function listen(): void {
   workspace.onChange(checkSoon);
   workspace.onChange(keepSoon);
   engine.on("started", (running) => void follow(running));
+  engine.on("starting", ({ doing }) => say(status, `Starting the engine: ${doing} …`));
   element("share", HTMLButtonElement).addEventListener("click", () => void share());
   element("format", HTMLButtonElement).addEventListener("click", () => void format());
   element("dialog-close", HTMLButtonElement).addEventListener("click", () => dialog.close());

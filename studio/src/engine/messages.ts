@@ -275,4 +275,5 @@ export interface Notifications {
   log: { text: string };
   hand: HandState;
   started: Running;
+  starting: { doing: string };
 }

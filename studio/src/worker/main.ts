@@ -36,9 +36,10 @@ async function main(): Promise<void> {
   scope.onmessage = (event) => early.push(event.data);
   try {
     // A worker that is a module, as Pyodide needs it, has no importScripts: the layout engine is there from the beginning.
-    const laidOut = import(`${base}elk.js`);
-    const engine = await loadPython(base, layoutRunner(() => undefined), (message) => scope.postMessage(message));
-    await laidOut;
+    const [engine] = await Promise.all([
+      loadPython(base, layoutRunner(() => undefined), (message) => scope.postMessage(message)),
+      import(`${base}elk.js`),
+    ]);
     proceed(engine);
   } catch (problem) {
     const reason = problem instanceof Error ? problem.message : String(problem);

@@ -29,8 +29,13 @@ export interface PythonEngine {
 const FOLDER = "/cspdiag";
 
 export async function loadPython(base: string, layout: (graph: string) => string, notify: (message: unknown) => void): Promise<PythonEngine> {
-  const [module, archive] = await Promise.all([import(`${base}pyodide.mjs`) as Promise<Module>, read(`${base}cspdiag.zip`)]);
-  const python = await module.loadPyodide();
+  const progress = (doing: string): void => notify({ method: "starting", params: { doing } });
+  progress("loading Python");
+  const loaded = import(`${base}pyodide.js`) as Promise<Module>;
+  const [module, archive] = await Promise.all([loaded, read(`${base}cspdiag.zip`)]);
+  progress("starting Python");
+  const python = await Promise.race([unstartable(), module.loadPyodide()]);
+  progress("starting cspdiag");
   python.unpackArchive(archive, "zip", { extractDir: FOLDER });
   python.globals.set("_layout", layout);
   python.globals.set("_notify", (text: string) => notify(JSON.parse(text)));
@@ -47,6 +52,32 @@ Functions(_layout, _notify)
     due: () => functions.due() ?? undefined,
     proceed: () => functions.proceed(),
   };
+}
+
+/**
+ * Fails when WebAssembly does not start, for which Pyodide would wait forever. It starts from servers, too, that do not
+ * know its type, which browsers refuse.
+ */
+function unstartable(): Promise<never> {
+  if (typeof WebAssembly.instantiateStreaming !== "function") {
+    return new Promise(() => undefined);
+  }
+  const streaming = WebAssembly.instantiateStreaming.bind(WebAssembly);
+  const start = async (source: Response | PromiseLike<Response>, imports?: WebAssembly.Imports): Promise<WebAssembly.WebAssemblyInstantiatedSource> => {
+    const response = await source;
+    if (!response.ok) {
+      throw new Error(`${response.url}: ${response.status}`);
+    }
+    const isKnown = response.headers.get("Content-Type") === "application/wasm";
+    return isKnown ? streaming(response, imports) : WebAssembly.instantiate(await response.arrayBuffer(), imports);
+  };
+  return new Promise((_, reject) => {
+    WebAssembly.instantiateStreaming = (source, imports) => {
+      const started = start(source, imports);
+      started.catch(reject);
+      return started;
+    };
+  });
 }
 
 async function read(url: string): Promise<ArrayBuffer> {
