@@ -4,8 +4,10 @@ Python are counted, not time.
 
 from __future__ import annotations
 
+import gc
 import importlib
 import re
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from types import CodeType
@@ -101,6 +103,24 @@ def test_an_element_takes_few_calls_from_the_text_to_the_code(name: str, target:
     compiling(4)()
     few, many = 220, 260  # too many to be fused
     assert (calls(compiling(many)) - calls(compiling(few))) / (many - few) < most
+
+
+def test_a_checked_line_takes_few_bytes() -> None:
+    """For each cell of a ring: the lines of its instance, its relationship and its place in the composition."""
+
+    def memory(count: int) -> int:
+        source = program("ring", count, "lines")
+        gc.collect()
+        tracemalloc.start()
+        try:
+            checked = pipeline.check(source, read_source, for_findings=True)
+            assert not checked.report.diagnostics
+            return tracemalloc.get_traced_memory()[0]
+        finally:
+            tracemalloc.stop()
+
+    memory(200)
+    assert (memory(1200) - memory(200)) / 1000 < 3_900
 
 
 def test_no_variable_is_shared_with_nested_functions_for_each_line() -> None:

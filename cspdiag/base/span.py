@@ -60,21 +60,22 @@ class SourceFile:
 class Span:
     """A half-open range of characters of one file.
 
-    Like a record, but without a dictionary: almost every node of a tree has one of its own.
+    Like a record, but smaller: almost every node of a tree has one of its own. Of its end only the distance is kept,
+    because Python has every small number once, and the other numbers for each place.
     """
 
-    __slots__ = ("end", "source", "start")
+    __slots__ = ("_length", "source", "start")
     __record_fields__: ClassVar = ("source", "start", "end")
     __match_args__ = ("source", "start", "end")
 
     source: SourceFile
     start: int
-    end: int
+    end: int = property(lambda span: span.start + span._length)  # type: ignore[assignment]
 
     def __init__(self, source: SourceFile, start: int, end: int) -> None:
         _set_source(self, source)
         _set_start(self, start)
-        _set_end(self, end)
+        _set_length(self, end - start)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"Span.{name} cannot be set: records do not change")
@@ -130,7 +131,7 @@ class Span:
 
 _set_source: Callable[[Span, SourceFile], None] = vars(Span)["source"].__set__
 _set_start: Callable[[Span, int], None] = vars(Span)["start"].__set__
-_set_end: Callable[[Span, int], None] = vars(Span)["end"].__set__
+_set_length: Callable[[Span, int], None] = vars(Span)["_length"].__set__
 
 
 def move(spans: Sequence[Span], source: SourceFile, by: int) -> None:
@@ -142,4 +143,3 @@ def move(spans: Sequence[Span], source: SourceFile, by: int) -> None:
     if by:
         for span in spans:
             _set_start(span, span.start + by)
-            _set_end(span, span.end + by)

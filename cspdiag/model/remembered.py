@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from cspdiag.base import Report
+from cspdiag.base.record import field_names
 from cspdiag.syntax import ast
 from cspdiag.syntax.walk import nodes
 
@@ -111,7 +112,7 @@ class RememberedChecks(Checks):
     def _words_in(self, item: ast.Item) -> frozenset[str]:
         known = self._words.get(item)
         if known is None:
-            values = (value for part in nodes(item) for value in vars(part).values())
+            values = (getattr(part, name) for part in nodes(item) for name in field_names(part))
             known = self._words[item] = frozenset(value for value in values if isinstance(value, str))
         return known
 

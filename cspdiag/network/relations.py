@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
-from cspdiag.base.record import record
+from cspdiag.base.record import Slotted, record
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, VariableValue
 from cspdiag.network.ir.walk import parts
@@ -19,7 +19,7 @@ from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, elem
 
 
 @record
-class Access:
+class Access(metaclass=Slotted):
     """One use of a channel as the diagram shows it: by an instance, or by the process itself (then ``instance`` is
     empty).
 

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.base.record import node, record
+from cspdiag.base.record import EMPTY, Slotted, lazily, node, record
 from cspdiag.model.program import PortSymbol, Value
 from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import Type
@@ -63,21 +63,22 @@ class PortShape:
         """Where the port is declared."""
         return self.symbol.port.span
 
-    @property
-    def elements(self) -> list[PortElement]:
+    @lazily
+    def elements(self) -> Sequence[PortElement]:
         """The port, or each of its elements."""
-        return [(self.name, None)] if self.size is None else [(self.name, index) for index in range(self.size)]
+        indexes = (None,) if self.size is None else range(self.size)
+        return [(self.name, index) for index in indexes]
 
 
 @record
-class OwnPort:
+class OwnPort(metaclass=Slotted):
     """An attachment to a port of the enclosing process."""
 
     key: Key
 
 
 @record
-class OwnChannel:
+class OwnChannel(metaclass=Slotted):
     """An attachment to a channel or variable of the enclosing process."""
 
     key: Key
@@ -104,7 +105,7 @@ AttachmentShape: TypeAlias = OwnPort | OwnChannel | Default | Discarded | Unreso
 
 
 @record
-class Attached:
+class Attached(metaclass=Slotted):
     """What a port of an instance is attached to, and where in the text."""
 
     target: AttachmentShape
@@ -112,7 +113,7 @@ class Attached:
 
 
 @node
-class InstanceShape:
+class InstanceShape(metaclass=Slotted):
     """An instance inside a process: its shape, its arguments and what its ports are attached to."""
 
     name: str
@@ -178,7 +179,7 @@ class ChannelShape:
         self.kind: ChannelKind = "var"
         self.capacity: int | None = None
         self.initial: Expression | None = None
-        self.replicators: Mapping[ast.Node, Value] = {}
+        self.replicators: Mapping[ast.Node, Value] = EMPTY
         """Values of the replicators around the declaration of a variable."""
         self.iterations: int | None = None
         """The number of iterations of a loop that a variable counts."""

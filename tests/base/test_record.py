@@ -13,7 +13,7 @@ from typing import ClassVar
 import pytest
 
 import cspdiag
-from cspdiag.base.record import field_names, is_record, kept_for_same, lazily, node, record, replaced
+from cspdiag.base.record import Slotted, field_names, is_record, kept_for_same, lazily, node, record, replaced
 from cspdiag.base.span import SourceFile, Span
 
 
@@ -47,6 +47,29 @@ class Nothing:
     pass
 
 
+@record
+class Corner(metaclass=Slotted):
+    uncompared: ClassVar[frozenset[str]] = frozenset({"drawn"})
+
+    x: int
+    y: int = 0
+    drawn: bool = False
+
+
+@record(kw_only=True)
+class Bend(Corner):
+    """Begins with the fields of ``Corner``, one of them with another default."""
+
+    y: int = 7
+    radius: float
+
+
+@node
+class Line(metaclass=Slotted):
+    start: Corner
+    dashed: bool = False
+
+
 def make_often():
     """Then these records have constructors of their own."""
     for k in range(200):
@@ -55,6 +78,9 @@ def make_often():
             "name": "u", "size": k, "unit": "", "kind": "channel", "span": k, "drawn": True,
         }  # fmt: skip
         assert vars(Step(process="p", span=k)) == {"process": "p", "repeated": False, "span": k}
+        assert (Corner(k).x, Corner(k, 2).y, Corner(k, drawn=True).drawn) == (k, 2, True)
+        assert [getattr(Bend(k, radius=0.5), name) for name in field_names(Bend)] == [k, 7, False, 0.5]
+        assert Line(start=Corner(k)).start.x == k
 
 
 @pytest.mark.parametrize("often", [False, True])
@@ -72,6 +98,11 @@ def make_often():
         (lambda: Step(process="p"), "missing 1 required keyword-only argument: 'span'"),
         (lambda: Step(process="p", span=1, again=True), "unexpected keyword argument 'again'"),
         (lambda: Step("p", span=1), "takes 1 positional argument but 2"),
+        (lambda: Corner(), "missing 1 required positional argument: 'x'"),
+        (lambda: Corner(1, z=2), "unexpected keyword argument 'z'"),
+        (lambda: Bend(1), "missing 1 required keyword-only argument: 'radius'"),
+        (lambda: Line(Corner(1)), "takes 1 positional argument but 2 were given"),
+        (lambda: Line(), "missing 1 required keyword-only argument: 'start'"),
         (lambda: Nothing(1), "takes 1 positional argument but 2 were given"),
         (lambda: Nothing(name=1), "unexpected keyword argument 'name'"),
         (lambda: replaced(Port("u"), width=2), "unexpected keyword argument 'width'"),
@@ -151,7 +182,7 @@ def test_nodes_compare_and_hash_by_identity():
     assert len({one, other}) == 2
 
 
-@pytest.mark.parametrize("item", [Port("u"), Step(process="p", span=1)])
+@pytest.mark.parametrize("item", [Port("u"), Step(process="p", span=1), Bend("u", radius=1)])
 def test_fields_cannot_be_changed(item):
     first = field_names(item)[0]
     with pytest.raises(AttributeError, match=f"{first} cannot be set: records do not change"):
@@ -200,6 +231,29 @@ def test_another_process_does_not_inherit_a_hash():
     port = Port("u", 2)
     hash(port)
     assert vars(pickle.loads(pickle.dumps(port))) == {"name": "u", "size": 2, "unit": ""}
+
+
+@pytest.mark.parametrize("item", [Corner(1), Bend(1, radius=0.5, drawn=True), Line(start=Corner(2))])
+def test_a_slotted_record_has_no_dictionary_and_is_copied_whole(item):
+    assert not hasattr(item, "__dict__")
+    for copied in (copy.copy(item), copy.deepcopy(item), pickle.loads(pickle.dumps(item)), replaced(item)):
+        assert type(copied) is type(item)
+        assert [getattr(copied, name) for name in field_names(item)] == [
+            getattr(item, name) for name in field_names(item)
+        ]
+        with pytest.raises(AttributeError, match="records do not change"):
+            copied.x = 3
+
+
+def test_slotted_records_compare_and_hash_as_others_do():
+    assert Corner(1) == Corner(1, drawn=True) != Corner(2)
+    assert len({Corner(1), Corner(1, 0), Bend(1, 0, radius=0.5)}) == 2
+    one, other = Line(start=Corner(1)), Line(start=Corner(1))
+    assert one != other
+    assert len({one, other}) == 2
+    match Corner(1, 2):
+        case Corner(x, y):
+            assert (x, y) == (1, 2)
 
 
 def test_a_type_checker_sees_wrong_fields(tmp_path: Path):

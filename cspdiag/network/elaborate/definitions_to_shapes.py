@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from cspdiag.base import Report, Span
+from cspdiag.base.record import EMPTY
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import PortSymbol, Program, Value
 from cspdiag.model.sampling import Sampling
@@ -199,7 +200,7 @@ class _Declarations:
             index=indexes[-1] if indexes else None,
             declaration=item,
             shape=self.elaboration.shape(definition, parameters, overrides),
-            replicators={node: value for node, value in values.items() if isinstance(node, ast.Replicator)},
+            replicators={node: value for node, value in values.items() if isinstance(node, ast.Replicator)} or EMPTY,
             overrides=overrides,
             attachments={},
         )

@@ -232,7 +232,7 @@ class Places:
 
     def _port_elements(
         self, reference: ast.Reference, given: tuple[ast.Expression, ...], port: PortShape, values: Values
-    ) -> list[PortElement] | None:
+    ) -> Sequence[PortElement] | None:
         if not given:
             return port.elements
         indexes = self.indexes(given, values)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Generic, TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.base.record import node
+from cspdiag.base.record import Slotted, node
 from cspdiag.network.ir.actions import (
     A_co,
     AssignValue,
@@ -52,7 +52,7 @@ SINGLE_STEPS = Computation | Communication | WaitStep
 
 
 @node
-class BaseInstruction:
+class BaseInstruction(metaclass=Slotted):
     """An instruction, with its place in the text."""
 
     span: Span

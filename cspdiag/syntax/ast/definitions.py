@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 from cspdiag.base import SourceFile, Span
-from cspdiag.base.record import field_names, is_record, node
+from cspdiag.base.record import Slotted, field_names, is_record, node
 from cspdiag.syntax.ast.communication import Communication, Declaration, Instance, Ports
 from cspdiag.syntax.ast.composition import Composition
 from cspdiag.syntax.ast.expressions import (
@@ -223,7 +223,7 @@ Item: TypeAlias = Import | Definition | Assertion
 
 
 @node
-class Comment:
+class Comment(metaclass=Slotted):
     """A comment that is not a doc comment, with its markers."""
 
     span: Span

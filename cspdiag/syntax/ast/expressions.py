@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.base.record import node
+from cspdiag.base.record import Slotted, node
 
 
 @node
-class Node:
+class Node(metaclass=Slotted):
     """A node of the syntax tree, which has a place in the source text."""
 
     span: Span

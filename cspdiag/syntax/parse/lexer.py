@@ -103,6 +103,8 @@ class Lexer:
         self._match = scanner.token.match
         self._unit = scanner.unit
         self._words = scanner.words
+        self._texts: dict[str, str] = {}
+        """The texts of names, so that equal ones are one object."""
         self._reported_lines: set[int] = set()
         self._foreign: set[str] = set()
         self.misused: set[str] = set()
@@ -151,6 +153,7 @@ class Lexer:
         self.start, self.end = match.span(kind)
         text = self.text = match.group(kind)
         if kind == "NAME":
+            self.text = text = self._texts.setdefault(text, text)
             word = self._words.get(text, "NAME")
             is_name = word not in accepted or (text in _MAY_BE_NAMES and self._is_used_as_name())
             if text in CONTEXTUAL_KEYWORDS and is_name:
