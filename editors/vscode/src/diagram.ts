@@ -1,27 +1,25 @@
 /** The diagram beside the text: drawn anew as the text changes, lit where the cursor is. */
 
 import * as vscode from "vscode";
-import { chosenFile } from "./export";
+import type { Step } from "./counterexample";
+import { Counterexample } from "./counterexample";
+import type { Wanted } from "./export";
+import { exportDiagram } from "./export";
 import { page } from "./html";
 import type { Chosen, FromPage, PagePart, ToPage, Which } from "./messages";
 import type { Diagram, Part, Range } from "./places";
 import { definitionAt, partsAt } from "./places";
+import { reasonOf } from "./reason";
 import type { Server } from "./server";
+import { BEING_DRAWN, Status } from "./status";
 
 export const VIEW = "cspdiag.diagram";
 /** The title of the tab while there is no diagram in it. */
 const TITLE = "Diagram";
 const BLANK = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1"/>';
+const NONE = "There is no diagram to export: open one first.";
 /** Milliseconds without a change until a picture is drawn. */
 const QUIET = 150;
-
-/** A step of a counterexample, by the names of elements in the diagram of `process`. */
-export interface Step {
-  process: string;
-  text: string;
-  communicating: string[];
-  waiting: string[];
-}
 
 export class DiagramView implements vscode.Disposable {
   private panel: vscode.WebviewPanel | undefined;
@@ -31,15 +29,28 @@ export class DiagramView implements vscode.Disposable {
   private process: string | undefined;
   private which: Which = "both";
   private timer: NodeJS.Timeout | undefined;
-  private steps: Step[] = [];
-  private at = 0;
+  /** How many pictures were asked for. */
+  private asked = 0;
+  private readonly status = new Status((text, stale) => {
+    this.post({ type: "status", text, stale });
+  });
+  private counterexample = new Counterexample();
   private readonly disposables: vscode.Disposable[];
 
   constructor(
     private readonly context: vscode.ExtensionContext,
     private readonly server: Server,
   ) {
+    const files = vscode.workspace.createFileSystemWatcher("**/*.csp");
+    const imported = () => {
+      this.drawSoon();
+    };
     this.disposables = [
+      files,
+      // One that is not open may be imported.
+      files.onDidChange(imported),
+      files.onDidCreate(imported),
+      files.onDidDelete(imported),
       vscode.workspace.onDidChangeTextDocument(({ document }) => {
         if (this.panel !== undefined && document.languageId === "csp") {
           this.leaveSteps();
@@ -60,7 +71,7 @@ export class DiagramView implements vscode.Disposable {
         if (client === undefined) {
           this.sayNotRunning();
         } else {
-          this.status(this.picture === undefined ? "The diagram is being drawn." : "");
+          this.say(this.picture === undefined ? BEING_DRAWN : "");
           this.drawSoon();
         }
       }),
@@ -75,6 +86,7 @@ export class DiagramView implements vscode.Disposable {
 
   dispose(): void {
     clearTimeout(this.timer);
+    this.status.stop();
     this.panel?.dispose();
     for (const each of this.disposables) {
       each.dispose();
@@ -102,40 +114,24 @@ export class DiagramView implements vscode.Disposable {
     const client = this.server.running;
     const [document, picture] = [this.document, this.picture];
     if (client === undefined || document === undefined || picture === undefined) {
-      void vscode.window.showInformationMessage("There is no diagram to export: open one first.");
-      return;
+      void vscode.window.showInformationMessage(this.panel === undefined || document === undefined ? NONE : this.status.whyNone);
+    } else {
+      await exportDiagram(client, this.wanted(document), picture.name);
     }
-    const file = await chosenFile(vscode.Uri.joinPath(document.uri, "..", `${picture.name}.svg`));
-    if (file === undefined) {
-      return;
-    }
-    const wanted = { ...this.wanted(document), process: picture.name, format: file.format };
-    const answer = await client.sendRequest<{ data?: string; problem?: string }>("cspdiag/diagram", wanted);
-    if (answer.data === undefined) {
-      void vscode.window.showErrorMessage(`The diagram was not exported: ${answer.problem ?? "no reason is known"}`);
-      return;
-    }
-    await vscode.workspace.fs.writeFile(file.target, Buffer.from(answer.data, "base64"));
   }
 
   /** Steps through a counterexample of the document. */
   async walk(document: vscode.TextDocument, steps: Step[]): Promise<void> {
     this.open();
     this.document = document;
-    this.steps = steps;
-    await this.goTo(0);
+    this.counterexample = new Counterexample(steps);
+    await this.move(0);
   }
 
   /** Goes forwards or backwards in the counterexample. */
   async move(by: number): Promise<void> {
-    if (this.steps.length > 0) {
-      await this.goTo(Math.min(Math.max(this.at + by, 0), this.steps.length - 1));
-    }
-  }
-
-  private async goTo(at: number): Promise<void> {
-    this.at = at;
-    const step = this.steps[at];
+    this.counterexample.move(by);
+    const step = this.counterexample.step;
     if (step !== undefined && this.picture?.name !== step.process) {
       this.process = step.process;
       await this.draw();
@@ -144,23 +140,13 @@ export class DiagramView implements vscode.Disposable {
   }
 
   private showStep(): void {
-    const step = this.steps[this.at];
-    const isHere = step?.process === this.picture?.name;
-    const ids = (keys: readonly string[]) =>
-      (this.picture?.parts ?? []).filter((part) => isHere && keys.includes(part.key)).map((part) => part.id);
-    this.post({
-      type: "step",
-      text: step === undefined ? "" : isHere ? step.text : `This step is in the diagram of ${step.process}: ${step.text}`,
-      position: step === undefined ? "" : `${this.at + 1}/${this.steps.length}`,
-      communicating: ids(step?.communicating ?? []),
-      waiting: ids(step?.waiting ?? []),
-    });
-    void vscode.commands.executeCommand("setContext", "cspdiag.stepping", step !== undefined);
+    this.post(this.counterexample.shownIn(this.picture));
+    void vscode.commands.executeCommand("setContext", "cspdiag.stepping", this.counterexample.step !== undefined);
   }
 
   private leaveSteps(): void {
-    if (this.steps.length > 0) {
-      this.steps = [];
+    if (this.counterexample.step !== undefined) {
+      this.counterexample = new Counterexample();
       this.process = undefined;
       this.showStep();
       this.drawSoon();
@@ -189,6 +175,7 @@ export class DiagramView implements vscode.Disposable {
     panel.webview.onDidReceiveMessage((message: FromPage) => this.received(message));
     panel.onDidDispose(() => {
       this.panel = undefined;
+      this.status.stop();
       this.leaveSteps();
     });
     panel.webview.html = page(panel.webview, this.context.extensionUri);
@@ -198,8 +185,9 @@ export class DiagramView implements vscode.Disposable {
     if (document !== this.document) {
       this.document = document;
       this.picture = undefined; // The page keeps it until there is an answer.
+      this.status.forget();
       this.process = undefined;
-      this.steps = [];
+      this.counterexample = new Counterexample();
       this.showStep();
       this.drawSoon();
     }
@@ -212,7 +200,7 @@ export class DiagramView implements vscode.Disposable {
     }
   }
 
-  private wanted(document: vscode.TextDocument) {
+  private wanted(document: vscode.TextDocument): Wanted {
     return { textDocument: { uri: document.uri.toString() }, which: this.which };
   }
 
@@ -227,12 +215,14 @@ export class DiagramView implements vscode.Disposable {
     }
     const at = this.editor()?.selection.active;
     const chosen = this.process === undefined ? { position: at } : { process: this.process };
+    const number = ++this.asked;
+    this.waitForPicture();
     let answer: Diagram | null;
     try {
       answer = await client.sendRequest<Diagram | null>("cspdiag/diagram", { ...this.wanted(document), ...chosen });
     } catch (problem) {
       if (this.server.running === client) {
-        this.status(`There is no diagram: ${String(problem)}`);
+        this.say(`There is no diagram: ${reasonOf(problem)}`);
       }
       return; // Otherwise the server has ended, and what comes after it says so.
     }
@@ -244,12 +234,27 @@ export class DiagramView implements vscode.Disposable {
       this.process = undefined;
       this.drawSoon();
     } else if (answer.problem !== undefined) {
-      this.status(`There is no diagram: ${answer.problem}.`);
+      this.say(`There is no diagram: ${answer.problem}.`);
     } else if (!answer.whole && this.picture !== undefined) {
-      this.status("The text has mistakes in its syntax: this is the diagram before them.");
+      this.say("The text has mistakes in its syntax: this is the diagram before them.");
     } else {
       this.take(answer);
     }
+    if (number !== this.asked) {
+      this.waitForPicture();
+    }
+  }
+
+  private waitForPicture(): void {
+    const here = this.process ?? this.atCursor();
+    const isElsewhere = this.picture === undefined || (here !== undefined && here !== this.picture.name);
+    this.status.wait(isElsewhere ? "elsewhere" : "changed");
+  }
+
+  /** The process in which the cursor is, as far as the last picture knows it. */
+  private atCursor(): string | undefined {
+    const at = this.editor()?.selection.active;
+    return at === undefined ? undefined : definitionAt(this.picture?.definitions ?? [], at);
   }
 
   private take(answer: Diagram): void {
@@ -260,7 +265,7 @@ export class DiagramView implements vscode.Disposable {
     }
     const processes = answer.definitions.map((each) => each.name);
     this.post({ type: "picture", svg: answer.svg, chosen: this.chosen(), processes, parts });
-    this.status(answer.whole ? "" : "The text has mistakes in its syntax: what has them is left out.", !answer.whole);
+    this.say(answer.whole ? "" : "The text has mistakes in its syntax: what has them is left out.", !answer.whole);
     this.entitle(`Diagram of ${answer.name}`);
     const editor = this.editor();
     if (editor !== undefined) {
@@ -278,15 +283,16 @@ export class DiagramView implements vscode.Disposable {
     const until = this.server.isStarting
       ? "cspdiag is being started."
       : "cspdiag is not running: there is no diagram of the text as it is now.";
-    this.status(this.server.trouble.message ?? until);
+    this.say(this.server.trouble.message ?? until);
   }
 
-  private status(text: string, stale = text !== ""): void {
+  /** Says what is so of the diagram, now that it is known. */
+  private say(text: string, stale = text !== ""): void {
     if (this.picture === undefined) {
       this.post({ type: "picture", svg: BLANK, chosen: this.chosen(), processes: [], parts: {} });
       this.entitle(TITLE);
     }
-    this.post({ type: "status", text, stale: stale && this.picture !== undefined });
+    this.status.say(text, stale && this.picture !== undefined);
   }
 
   private entitle(title: string): void {
@@ -310,7 +316,7 @@ export class DiagramView implements vscode.Disposable {
     if (picture === undefined || this.panel === undefined) {
       return;
     }
-    const name = definitionAt(picture.definitions, editor.selection.active);
+    const name = this.atCursor();
     if (this.process === undefined && name !== undefined && name !== picture.name) {
       this.drawSoon();
     } else {
@@ -376,7 +382,7 @@ export class DiagramView implements vscode.Disposable {
     try {
       await vscode.window.showTextDocument(uri, { selection: toRange(place.range), viewColumn: column });
     } catch (problem) {
-      void vscode.window.showErrorMessage(`${uri.fsPath} cannot be shown: ${String(problem)}`);
+      void vscode.window.showErrorMessage(`${uri.fsPath} cannot be shown: ${reasonOf(problem)}`);
     }
   }
 }

@@ -1,8 +1,11 @@
 /** Copies an example out of cspdiag into the open folder, and opens it. */
 
+import { existsSync } from "node:fs";
 import * as path from "node:path";
 import * as vscode from "vscode";
 import { run } from "./probe";
+
+const OPEN = "Open It";
 
 /** The names and summaries in the output of `cspdiag examples`. */
 export function listed(output: string): { label: string; description: string }[] {
@@ -13,23 +16,33 @@ export function listed(output: string): { label: string; description: string }[]
   });
 }
 
-/** Lets the user choose an example and a folder for it. */
-export async function openExample(cspdiag: string): Promise<void> {
+/** Lets the user choose an example and a folder for it; whether it was opened. */
+export async function openExample(cspdiag: string): Promise<boolean> {
   const list = await run(cspdiag, ["examples"]);
   if (list.status !== 0) {
-    throw new Error(list.errors.trim());
+    throw new Error(list.errors);
   }
   const chosen = await vscode.window.showQuickPick(listed(list.output), { placeHolder: "The example to copy" });
   const folder = chosen === undefined ? undefined : await destination();
   if (chosen === undefined || folder === undefined) {
-    return;
+    return false;
   }
-  const copied = await run(cspdiag, ["examples", chosen.label, "-o", folder]);
-  if (copied.status !== 0) {
-    throw new Error(copied.errors.trim());
+  const copy = path.join(folder, chosen.label);
+  const main = path.join(copy, `${chosen.label}.csp`);
+  if (existsSync(copy)) {
+    const message = `Nothing was copied: there is a ${chosen.label} in ${path.basename(folder)} already.`;
+    const offered = existsSync(main) ? [OPEN] : [];
+    if ((await vscode.window.showWarningMessage(message, ...offered)) !== OPEN) {
+      return false;
+    }
+  } else {
+    const copied = await run(cspdiag, ["examples", chosen.label, "-o", folder]);
+    if (copied.status !== 0) {
+      throw new Error(copied.errors);
+    }
   }
-  const main = path.join(folder, chosen.label, `${chosen.label}.csp`);
   await vscode.window.showTextDocument(vscode.Uri.file(main));
+  return true;
 }
 
 /** The open folder, or one that the user chooses. */

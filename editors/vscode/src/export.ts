@@ -1,9 +1,38 @@
-/** Which file a diagram is written to, and in which format. */
+/** Writes a diagram into a file that the user chooses. */
 
 import * as path from "node:path";
 import * as vscode from "vscode";
+import type { LanguageClient } from "vscode-languageclient/node";
+import type { Which } from "./messages";
+import { reasonOf } from "./reason";
+
+/** Which diagrams of which program, as in a request for them. */
+export interface Wanted {
+  textDocument: { uri: string };
+  which: Which;
+}
 
 const FORMATS = ["svg", "png", "pdf"];
+
+/** Writes what the server answers to a request for a diagram; `name` is that of the diagram. */
+export async function exportDiagram(client: LanguageClient, wanted: Wanted, name: string): Promise<void> {
+  const file = await chosenFile(vscode.Uri.joinPath(vscode.Uri.parse(wanted.textDocument.uri), "..", `${name}.svg`));
+  if (file === undefined) {
+    return;
+  }
+  const written = path.posix.basename(file.target.path);
+  try {
+    const params = { ...wanted, process: name, format: file.format };
+    const answer = await client.sendRequest<{ data?: string; problem?: string } | null>("cspdiag/diagram", params);
+    if (answer?.data === undefined) {
+      throw new Error(answer?.problem ?? "there was a later request for it");
+    }
+    await vscode.workspace.fs.writeFile(file.target, Buffer.from(answer.data, "base64"));
+    void vscode.window.showInformationMessage(`The diagram of ${name} is in ${written}.`);
+  } catch (problem) {
+    void vscode.window.showErrorMessage(`The diagram was not exported as ${written}: ${reasonOf(problem)}.`);
+  }
+}
 
 /** The format that the ending of a name means. */
 function formatOf(name: string): string | undefined {
@@ -11,7 +40,7 @@ function formatOf(name: string): string | undefined {
 }
 
 /** Lets the user choose a file until its ending says the format; undefined if there is none. */
-export async function chosenFile(proposed: vscode.Uri): Promise<{ target: vscode.Uri; format: string } | undefined> {
+async function chosenFile(proposed: vscode.Uri): Promise<{ target: vscode.Uri; format: string } | undefined> {
   // Without filters: with them the dialog puts an ending of its own behind one that it does not know.
   const title = "Export the diagram as .svg, .png or .pdf";
   const target = await vscode.window.showSaveDialog({ defaultUri: proposed, title });

@@ -7,6 +7,7 @@ import * as vscode from "vscode";
 import type { Figures } from "./figures";
 import type { Result } from "./lenses";
 import { brief, outcome, titleOf } from "./lenses";
+import { reasonOf } from "./reason";
 
 /** The cspdiag that runs programs, and what its server knows of them. */
 export interface Cspdiag {
@@ -132,7 +133,7 @@ function execute(command: string, args: string[], cwd: string, token: vscode.Can
     child.stderr.on("data", collect);
     token.onCancellationRequested(() => child.kill("SIGINT"));
     child.on("error", (problem) => {
-      resolve({ status: 1, output: String(problem) });
+      resolve({ status: 1, output: `cspdiag could not be started: ${reasonOf(problem)}` });
     });
     child.on("close", (status) => {
       resolve({ status: token.isCancellationRequested ? null : status, output });

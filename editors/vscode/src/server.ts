@@ -13,6 +13,7 @@ import type { Problem } from "./probe";
 import { problemOf, run } from "./probe";
 import { Work } from "./progress";
 import { INTERRUPTED, Proofs } from "./proofs";
+import { reasonOf } from "./reason";
 import { Restarts } from "./restarts";
 import type { Cspdiag, Runs } from "./run";
 import type { Way } from "./trouble";
@@ -95,7 +96,7 @@ export class Server implements vscode.Disposable {
     this.changed.fire(undefined);
     if (client?.needsStop() === true) {
       await client.stop().catch((problem: unknown) => {
-        this.output.warn(`the server did not end as asked: ${String(problem)}`);
+        this.output.warn(`the server did not end as asked: ${reasonOf(problem)}`);
       });
     }
   }
@@ -214,7 +215,7 @@ export class Server implements vscode.Disposable {
       await client.setTrace(Trace.fromString(setting("trace.server")));
     } catch (problem) {
       this.client = undefined;
-      this.tell(`The cspdiag server did not start: ${String(problem)}`, [AGAIN, OUTPUT]);
+      this.tell(`The cspdiag server did not start: ${reasonOf(problem)}`, [AGAIN, OUTPUT]);
     }
   }
 

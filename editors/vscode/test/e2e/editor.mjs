@@ -190,6 +190,14 @@ export class Editor {
     return lines.filter((line) => line.includes(`${this.folder}/`) && line.includes("/bin/cspdiag lsp")).map((line) => parseInt(line));
   }
 
+  /** The processes that draw for this editor. */
+  drawers() {
+    const servers = this.servers();
+    const lines = execFileSync("ps", ["-eo", "pid,ppid,args"], { encoding: "utf8" }).split("\n");
+    const found = lines.filter((line) => line.includes("lsp.pictures.drawn")).map((line) => line.trim().split(/\s+/).map(Number));
+    return found.filter(([, parent]) => servers.includes(parent)).map(([pid]) => pid);
+  }
+
   async screenshot(name) {
     if (process.env.SCREENSHOTS === undefined) return;
     mkdirSync(process.env.SCREENSHOTS, { recursive: true });

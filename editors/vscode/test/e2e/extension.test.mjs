@@ -73,6 +73,7 @@ before(async () => {
   const task = { label: "say", type: "shell", command: "cat said.txt", problemMatcher: ["$cspdiag", "$cspdiag-absolute"], presentation: { reveal: "never" }, group: { kind: "build", isDefault: true } };
   files[".vscode/tasks.json"] = JSON.stringify({ version: "2.0.0", tasks: [task] });
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
+  files["dining/dining.csp"] = "process Dining { composition { skip } }\n";
   editor = await Editor.start({ files, folder: "my project #1" });
 });
 
@@ -157,6 +158,25 @@ step("while the text has mistakes in its syntax the last diagram stays", async (
 step("a file with mistakes has a diagram of its own, not that of the file before", async () => {
   await editor.open("half.csp", 1, 10);
   await editor.diagram.locator("svg", { hasText: "process Good" }).waitFor();
+  await editor.open("jiwy.csp", 29, 6);
+  await editor.diagram.locator("#Align-velocity.lit").waitFor();
+});
+
+step("while a diagram is being drawn, that of the file before is paler, and is not exported", async () => {
+  const drawers = editor.drawers();
+  assert.equal(drawers.length, 1);
+  for (const each of drawers) process.kill(each, "SIGSTOP");
+  try {
+    await editor.open("half.csp", 1, 10);
+    await editor.diagram.locator("#status", { hasText: "The diagram is being drawn." }).waitFor();
+    await editor.diagram.locator(".stale #Align-velocity").waitFor();
+    await editor.diagram.locator("#export").click();
+    await editor.notification("There is no diagram to export yet: it is being drawn.");
+  } finally {
+    for (const each of drawers) process.kill(each, "SIGCONT");
+  }
+  await editor.diagram.locator("svg", { hasText: "process Good" }).waitFor();
+  await editor.diagram.locator("#status", { hasText: "is left out" }).waitFor();
   await editor.open("jiwy.csp", 29, 6);
   await editor.diagram.locator("#Align-velocity.lit").waitFor();
 });
@@ -329,6 +349,41 @@ step("an export is asked for another name if its ending is no format", async () 
   await editor.page.locator(".quick-input-widget a.monaco-button", { hasText: "OK" }).click();
   await editor.until(() => existsSync(path.join(editor.folder, "odd.svg")));
   assert.ok(!existsSync(path.join(editor.folder, "odd.jpg")));
+});
+
+step("an export that fails says why", async () => {
+  const input = editor.page.locator(".quick-input-widget input").first();
+  await editor.diagram.locator("#export").click();
+  await editor.until(async () => (await input.inputValue()).endsWith(".svg"));
+  await input.fill("/proc/out.svg"); // Where nobody can write.
+  await editor.page.locator(".quick-input-widget a.monaco-button", { hasText: "OK" }).click();
+  await editor.notification("The diagram was not exported as out.svg:");
+  await editor.screenshot("export-failed");
+  await editor.command("Notifications: Clear All Notifications");
+});
+
+step("an example that is there already is not copied, but can be opened", async () => {
+  await editor.command("cspdiag: Copy an Example…");
+  const input = editor.page.locator(".quick-input-widget input");
+  await editor.page.locator(".quick-input-list .monaco-list-row", { hasText: "dining" }).first().waitFor();
+  await input.fill("dining");
+  await editor.page.keyboard.press("Enter");
+  const said = await editor.notification("Nothing was copied: there is a dining in my project #1 already.");
+  await editor.screenshot("example-there");
+  await said.locator("a.monaco-button", { hasText: "Open It" }).click();
+  await editor.page.locator(".tab.active", { hasText: "dining.csp" }).waitFor();
+});
+
+step("the walkthrough knows what was done before it was opened", async () => {
+  await editor.quickly(">Welcome: Open Walkthrough", "Open Walkthrough");
+  await editor.page.locator(".quick-input-list .monaco-list-row", { hasText: "Get started with cspdiag" }).first().waitFor();
+  await editor.page.locator(".quick-input-widget input").fill("Get started with cspdiag");
+  await editor.page.keyboard.press("Enter");
+  for (const each of ["install", "example", "diagram", "verify"]) {
+    await editor.page.locator(`.getting-started-step[data-step-id$="${each}"][aria-checked="true"]`).waitFor();
+  }
+  await editor.screenshot("walkthrough");
+  await editor.page.keyboard.press("Control+w");
 });
 
 step("the process that was chosen stays when the window is loaded again", async () => {
