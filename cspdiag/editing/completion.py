@@ -9,6 +9,7 @@ from cspdiag.base.files.resources import library_names
 from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile, Span
 from cspdiag.editing import descriptions, text_at
+from cspdiag.editing.ends import Direction, End, end_at, inner_direction, own_direction
 from cspdiag.editing.view import View
 from cspdiag.model.expressions.functions import FUNCTIONS
 from cspdiag.model.program import EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
@@ -16,7 +17,7 @@ from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, CONVERSIONS, TYPE_NAMES
 from cspdiag.model.types import StructType
 from cspdiag.model.units import unit_names
 from cspdiag.syntax import ast
-from cspdiag.syntax.continuations import continuations
+from cspdiag.syntax.continuations import Continuations, continuations
 
 Kind: TypeAlias = Literal[
     "class",
@@ -74,6 +75,8 @@ _RECOVERED_KINDS: dict[str, Kind] = {
 
 _LOCAL_RULES = frozenset(["action", "event", "reference", "references", "endpoint", "equation", "channel_reference"])
 """Rules that begin with a name declared in the same definition."""
+_ENDS = (PortSymbol, ast.Instance, ast.Variable, ast.Channel, EndLabelSymbol)
+_RECOVERED_ENDS = frozenset(["instance", "var", "channel", "label"])
 _CARRIES_VALUES = (PortSymbol, ast.Variable, ast.Channel, EndLabelSymbol, ast.Parameter, ast.Let, ast.State)
 
 
@@ -138,12 +141,15 @@ class _Completion:
         if place.previous(1) == "<" and place.previous(2) in ("double", "float"):
             yield from (_item(name, "unit") for name in unit_names())
             return
-        beginning = SourceFile(name=place.source.name, text=place.source.text[start : place.word.start])
-        allowed = continuations(beginning)
+        allowed = self._continuations(start, place.word.start)
         if allowed.accepts_name:
             yield from self._names(allowed.rules)
         for keyword in allowed.keywords:
             yield _item(keyword, "keyword")
+
+    def _continuations(self, start: int, end: int) -> Continuations:
+        source = self._place.source
+        return continuations(SourceFile(name=source.name, text=source.text[start:end]))
 
     # Names
 
@@ -154,7 +160,10 @@ class _Completion:
             yield from self._types()
         if "expression" in rules or "atom" in rules:
             yield from self._values()
-        if not rules.isdisjoint(_LOCAL_RULES):
+        end = end_at(self._place.before, rules)
+        if end is not None:
+            yield from self._ends(end)
+        elif not rules.isdisjoint(_LOCAL_RULES):
             yield from self._locals()
         if not rules:
             yield from self._after_keyword()
@@ -221,17 +230,41 @@ class _Completion:
         definition = self._place.definition
         if definition is None:
             return
-        read = self._program.definitions.get(definition.name)
-        scope = self._program.scopes.get(read) if read is not None else None
-        if scope is not None and read is not None and read.name.span.start == definition.name_start:
-            for name, symbol in scope.names.items():
-                if kinds is None or isinstance(symbol, kinds):
-                    yield self._symbol(name, symbol, read)
+        for name, symbol in self._names_of(definition):
+            if kinds is None or isinstance(symbol, kinds):
+                yield self._symbol(name, symbol)
         for declared in text_at.declared_in(self._place.source, definition):
             is_instance = declared.kind == "instance"
             if declared.start != self._place.word.start and (kinds is None or not is_instance):
-                kind = _RECOVERED_KINDS.get(declared.kind, "variable")
-                yield _item(declared.name, kind, detail=text_at.written(declared))
+                yield self._recovered(declared)
+
+    def _names_of(self, definition: text_at.Outlined) -> Iterator[tuple[str, Symbol]]:
+        read = self._program.definitions.get(definition.name)
+        scope = self._program.scopes.get(read) if read is not None else None
+        if scope is not None and read is not None and read.name.span.start == definition.name_start:
+            yield from scope.names.items()
+
+    def _recovered(self, declared: text_at.Declared) -> Completion:
+        kind = _RECOVERED_KINDS.get(declared.kind, "variable")
+        return _item(declared.name, kind, detail=text_at.written(declared))
+
+    def _ends(self, end: End) -> Iterator[Completion]:
+        """The names of the definition around the place that can be an end of an arrow or an equation."""
+        definition = self._place.definition
+        if definition is None:
+            return
+        direction = own_direction(end, definition.keyword)
+        is_equation = definition.keyword == "submodel"
+        for name, symbol in self._names_of(definition):
+            if isinstance(symbol, PortSymbol):
+                if symbol.declaration.direction == direction:
+                    yield self._symbol(name, symbol)
+            elif isinstance(symbol, ast.Instance if is_equation else _ENDS):
+                yield self._symbol(name, symbol)
+        for declared in text_at.declared_in(self._place.source, definition):
+            possible = {"instance"} if is_equation else _RECOVERED_ENDS
+            if declared.start != self._place.word.start and declared.kind in {direction, *possible}:
+                yield self._recovered(declared)
 
     def _arguments(self) -> Iterator[Completion]:
         """The names of parameters of what is instantiated or called."""
@@ -266,21 +299,32 @@ class _Completion:
             yield from (_item(name.removeprefix(prefix), "module") for name in names)
             return
         if not rest:
-            yield from self._ports_of(first)
+            yield from self._ports_of(first, self._direction())
         yield from self._fields_of(path)
 
-    def _ports_of(self, instance: str) -> Iterator[Completion]:
+    def _direction(self) -> Direction | None:
+        """The direction that a port of the instance before the point has to have, if only one is possible."""
+        place = self._place
+        start = text_at.reference_start(place.before, len(place.before))
+        rules = self._continuations(place.before[0].start, place.before[start].start).rules
+        if self._is_submodel() and "atom" in rules:
+            return inner_direction("source")
+        end = end_at(place.before[:start], rules)
+        return None if end is None else inner_direction(end)
+
+    def _ports_of(self, instance: str, direction: Direction | None) -> Iterator[Completion]:
         name = self._definition_of(instance)
         definition = self._program.definitions.get(name or "")
         scope = self._program.scopes.get(definition) if definition is not None else None
         if scope is not None and not isinstance(definition, ast.EnvironmentDefinition):
             for port, symbol in scope.ports.items():
-                yield self._symbol(port, symbol)
+                if direction in (None, symbol.declaration.direction):
+                    yield self._symbol(port, symbol)
         for outlined in text_at.definitions(self._place.source):
             if name is not None and outlined.name == name:
                 for declared in text_at.declared_in(self._place.source, outlined):
-                    if declared.kind in ("in", "out"):
-                        yield _item(declared.name, "property", detail=text_at.written(declared))
+                    if declared.kind in (("in", "out") if direction is None else (direction,)):
+                        yield self._recovered(declared)
 
     def _definition_of(self, instance: str) -> str | None:
         """The name of what an instance of the definition around the place is an instance of."""
@@ -310,7 +354,7 @@ class _Completion:
             shown = descriptions.described(self._program, None, field, None)
             yield _described(field.name.text, "field", shown)
 
-    def _symbol(self, name: str, symbol: Symbol, owner: ast.Definition | None = None) -> Completion:
+    def _symbol(self, name: str, symbol: Symbol) -> Completion:
         kind = _DEFINITION_KINDS.get(type(symbol)) or _LOCAL_KINDS.get(type(symbol), "variable")
         return _described(name, kind, descriptions.described(self._program, None, symbol, None))
 

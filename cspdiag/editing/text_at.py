@@ -235,18 +235,33 @@ def _called(name: str, inside: Sequence[Token]) -> Called:
     return Called(name, frozenset(named), count, present)
 
 
+def reference_start(before: Sequence[Token], end: int) -> int:
+    """The position at which a reference begins whose last token is before ``end``: that of ``cell`` for both
+    ``cell[3].pose`` and ``cell[3].pose.``.
+    """
+    position = end - 1 if end > 0 and before[end - 1].text == "." else end
+    while position > 0:
+        position = _before_indexes(before, position) - 1
+        if position < 0 or before[position].kind != "word" or position < 1 or before[position - 1].text != ".":
+            break
+        position -= 1
+    return max(position, 0)
+
+
+def _before_indexes(before: Sequence[Token], end: int) -> int:
+    while end > 0 and before[end - 1].text == "]":
+        while end > 0 and before[end - 1].text != "[":
+            end -= 1
+        end -= 1
+    return end
+
+
 def path_before(before: Sequence[Token]) -> list[str]:
     """The names that end in a point after some tokens, without indexes: ``["cell", "pose"]`` for ``cell[3].pose.``."""
+    depth = 0
     path: list[str] = []
-    position = len(before) - 1
-    while position > 0 and before[position].text == ".":
-        position -= 1
-        while position > 0 and before[position].text == "]":
-            while position > 0 and before[position].text != "[":
-                position -= 1
-            position -= 1
-        if before[position].kind != "word":
-            break
-        path.insert(0, before[position].text)
-        position -= 1
+    for token in before[reference_start(before, len(before)) :]:
+        depth += (token.text == "[") - (token.text == "]")
+        if depth == 0 and token.kind == "word":
+            path.append(token.text)
     return path

@@ -384,6 +384,7 @@ step("the walkthrough knows what was done before it was opened", async () => {
   }
   await editor.screenshot("walkthrough");
   await editor.page.keyboard.press("Control+w");
+  await editor.open("crossed.csp", 1);
 });
 
 step("the process that was chosen stays when the window is loaded again", async () => {
