@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
@@ -32,6 +33,8 @@ class Document:
         self.source = SourceFile(name=name, text=self._text(text, positions))
         self.answered: dict[str, str] = {}
         """The last answer about each assertion, by its text; the program may have changed since."""
+        self._on_disk: tuple[tuple[int, int, int], str | None] | None = None
+        """What distinguishes the file that was looked at last, and why that is not text in UTF-8, if it is not."""
 
     def _text(self, whole: str, positions: Positions) -> str:
         mark = self.style.mark
@@ -41,6 +44,21 @@ class Document:
     def is_too_large(self) -> bool:
         """Whether the text is too long to be checked while it is edited."""
         return len(self.source.text) > MAX_CHARACTERS
+
+    @property
+    def misread(self) -> str | None:
+        """Why the file on the disk, as it is now, is not text in UTF-8: every other program refuses it, and what the
+        editor shows is a guess. None if it is, or if there is none.
+        """
+        name = self.source.name
+        try:
+            found = os.stat(name)
+        except (OSError, ValueError):
+            return None
+        stamp = found.st_mtime_ns, found.st_size, found.st_ino
+        if self._on_disk is None or self._on_disk[0] != stamp:
+            self._on_disk = stamp, _not_text(name)
+        return self._on_disk[1]
 
     def change(
         self,
@@ -62,6 +80,14 @@ class Document:
             source = SourceFile(name=source.name, text=text)
         self.source = source
         self.version = version
+
+
+def _not_text(name: str) -> str | None:
+    try:
+        read_source(name)
+    except OSError as problem:
+        return problem.strerror if problem.errno == errno.EILSEQ else None
+    return None
 
 
 @lru_cache(maxsize=4096)
@@ -106,10 +132,15 @@ class Documents:
         return self._open.get(identity(name_of(uri)))
 
     def read(self, name: str) -> SourceFile:
-        """The present text of a file. Raises OSError if it is not open and cannot be read, and ValueError if it is too
-        large.
+        """The present text of a file.
+
+        Raises OSError if it is not UTF-8 on the disk, even if it is open, or cannot be read otherwise, and ValueError if
+        it is too large.
         """
         document = self._open.get(identity(name))
+        reason = None if document is None else document.misread
+        if reason is not None:
+            raise OSError(errno.EILSEQ, reason, name)
         source = read_source(name) if document is None else document.source
         if len(source.text) > MAX_CHARACTERS:
             size = f"{len(source.text)} characters, more than the {MAX_CHARACTERS}"

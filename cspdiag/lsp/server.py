@@ -115,6 +115,7 @@ class CspdiagServer(LanguageServer):
 
     def _publish(self, document: Document) -> None:
         found: dict[str, list[types.Diagnostic]] = {document.uri: []}
+        found[document.uri] += diagnostics.encoding(document.source, document.misread, self.session.positions)
         if document.is_too_large:
             found[document.uri].append(diagnostics.too_large(len(document.source.text), MAX_CHARACTERS))
         else:

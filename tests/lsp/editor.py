@@ -77,7 +77,7 @@ class Editor:
         self.main = ""
         self.text = ""
         self.places: list[types.Position] = []
-        self._version = 0
+        self.version = 0
         self.published: asyncio.Queue[types.PublishDiagnosticsParams] = asyncio.Queue()
         client.editors.append(self)
 
@@ -89,8 +89,8 @@ class Editor:
         self.main = name
         self.places = _places(marked)
         self.text = marked.replace(CURSOR, "")
-        self._version += 1
-        document = types.TextDocumentItem(self.uri(name), "csp", self._version, self.text)
+        self.version += 1
+        document = types.TextDocumentItem(self.uri(name), "csp", self.version, self.text)
         return await self._diagnostics_after(
             lambda: self.client.text_document_did_open(types.DidOpenTextDocumentParams(document))
         )
@@ -103,15 +103,15 @@ class Editor:
         return await self.change(change)
 
     async def change(self, *changes: types.TextDocumentContentChangeEvent) -> list[types.Diagnostic]:
-        self._version += 1
-        document = types.VersionedTextDocumentIdentifier(self._version, self.uri(self.main))
+        self.version += 1
+        document = types.VersionedTextDocumentIdentifier(self.version, self.uri(self.main))
         return await self._diagnostics_after(
             lambda: self.client.text_document_did_change(types.DidChangeTextDocumentParams(document, list(changes)))
         )
 
     async def _diagnostics_after(self, act: Callable[[], object]) -> list[types.Diagnostic]:
         act()
-        return await self.diagnostics_of(self.main, self._version)
+        return await self.diagnostics_of(self.main, self.version)
 
     async def diagnostics_of(self, name: str, version: int | None) -> list[types.Diagnostic]:
         """The diagnostics of a version of a file that are published next."""

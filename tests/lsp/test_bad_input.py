@@ -33,6 +33,27 @@ async def test_an_import_that_is_not_utf_8_is_reported(client: Client, tmp_path:
     assert "not UTF-8 text (byte 0xff at offset 3)" in described(found)
 
 
+async def test_an_open_file_that_is_not_utf_8_is_reported_as_long_as_it_is_so(client: Client, tmp_path: Path) -> None:
+    (tmp_path / "laws.csp").write_bytes(b"const a = 1 // caf\xe9\n")
+    laws, main = Editor(client, tmp_path), Editor(client, tmp_path)
+    for shown in ("caf\ufffd", "caf\xe9"):
+        (only,) = await laws.open("laws.csp", f"const a = 1 // {shown}\n")
+        assert only.severity == types.DiagnosticSeverity.Error
+        assert "the file is not UTF-8 text (byte 0xe9 at offset 18)" in only.message
+        assert ("saved as it is shown, it loses" in only.message) == ("\ufffd" in shown)
+    assert only.range.start.character == 0
+    assert "not UTF-8 text" in described(await main.open("main.csp", 'import "laws.csp"\nconst b = a\n'))
+    for saved, severities in (("caf\ufffd", [types.DiagnosticSeverity.Warning]), ("caf\xe9", [])):
+        found = await laws.replace(f"const a = 1 // {saved}\n")
+        (tmp_path / "laws.csp").write_text(laws.text, encoding="utf-8")
+        client.text_document_did_save(types.DidSaveTextDocumentParams(laws.document))
+        found = await laws.diagnostics_of("laws.csp", laws.version)
+        assert [each.severity for each in found] == severities
+    assert described(await main.replace('import "laws.csp"\nconst b = a // \n')) == "nothing\n"
+    for each in (laws, main):
+        await each.close()
+
+
 async def test_a_file_of_ten_megabytes_is_not_checked_and_says_so(client: Client, tmp_path: Path) -> None:
     editor = Editor(client, tmp_path)
     (only,) = await editor.open("main.csp", "const a§ = 1\n" + "const a = 1\n" * 800_000)

@@ -10,10 +10,12 @@ from pygls import uris
 from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.files.resources import manual_page_file
 from cspdiag.base.manual import FAMILIES
-from cspdiag.base.span import Span
+from cspdiag.base.span import SourceFile, Span
 from cspdiag.lsp.positions import Positions
 
 SOURCE = "cspdiag"
+UNKNOWN_CHARACTER = "\N{REPLACEMENT CHARACTER}"
+"""What editors show in the place of what they cannot read."""
 
 
 def diagnostic(found: Diagnostic, positions: Positions, uri: Callable[[str], str]) -> types.Diagnostic:
@@ -44,6 +46,22 @@ def _manual_page(code: str) -> types.CodeDescription | None:
             href = uris.from_fs_path(manual_page_file(folder, f"{code}.md"))
             return None if href is None else types.CodeDescription(href)
     return None
+
+
+def encoding(source: SourceFile, misread: str | None, positions: Positions) -> list[types.Diagnostic]:
+    """That the file of a text is not UTF-8 on the disk, or that something in the text could not be read before."""
+    at = source.text.find(UNKNOWN_CHARACTER)
+    if misread is not None:
+        message = f"the file is {misread}\nopen it in the encoding that it has, such as Latin-1, and save it as UTF-8"
+        if at >= 0:
+            message += f"; saved as it is shown, it loses what has become `{UNKNOWN_CHARACTER}`"
+    elif at >= 0:
+        message = f"`{UNKNOWN_CHARACTER}` is in the place of something that could not be read"
+    else:
+        return []
+    severity = types.DiagnosticSeverity.Warning if misread is None else types.DiagnosticSeverity.Error
+    range_ = positions.range(Span(source, max(at, 0), at + 1))
+    return [types.Diagnostic(range=range_, message=message, severity=severity, source=SOURCE)]
 
 
 def too_large(characters: int, limit: int) -> types.Diagnostic:

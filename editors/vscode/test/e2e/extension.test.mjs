@@ -406,6 +406,7 @@ step("a file of ten megabytes says that it is not checked", async () => {
 step("a file that is not UTF-8, and one that is deleted while it is open", async () => {
   await editor.open("latin.csp");
   await editor.page.locator(".view-line", { hasText: "caf" }).waitFor();
+  await editor.page.locator(".squiggly-error").first().waitFor();
   unlinkSync(path.join(editor.folder, "latin.csp"));
   await editor.open("slip.csp", 2, 20);
   await editor.page.locator(".squiggly-error").first().waitFor();
