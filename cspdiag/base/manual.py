@@ -35,17 +35,22 @@ class ManualPage:
     fixed: str
 
     @property
+    def before(self) -> str:
+        """The heading of the program that triggers it: a warning refuses nothing."""
+        return "Refused" if self.code.startswith("E") else "Warned about"
+
+    @property
     def text(self) -> str:
         """The page for a terminal."""
         refused, fixed = _indented(self.refused), _indented(self.fixed)
-        parts = [f"{self.code}: {self.title}", self.meaning, self.reason, "Refused:", refused, "Fixed:", fixed]
+        parts = [f"{self.code}: {self.title}", self.meaning, self.reason, f"{self.before}:", refused, "Fixed:", fixed]
         return "\n\n".join(parts) + "\n"
 
     @property
     def markdown(self) -> str:
         """The page below a heading, with the programs in fenced blocks."""
         refused, fixed = f"```csp\n{self.refused}```", f"```csp\n{self.fixed}```"
-        return "\n\n".join([self.meaning, self.reason, "Refused:", refused, "Fixed:", fixed]) + "\n"
+        return "\n\n".join([self.meaning, self.reason, f"{self.before}:", refused, "Fixed:", fixed]) + "\n"
 
 
 def manual_page(code: str) -> ManualPage:

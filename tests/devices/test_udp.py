@@ -189,5 +189,5 @@ def test_a_value_that_does_not_fit_its_place_in_a_structure_is_refused() -> None
 def test_it_refuses_virtual_time() -> None:
     result = cspdiag.parse(program(DRIVER, "port = 0")).run(until="1 s")
     assert failure(result).endswith(
-        "failed to open at port Main.level: ValueError: it needs real time: run with --real-time"
+        "failed to open at port Main.level: ValueError: it needs real time; on the command line: --real-time"
     )

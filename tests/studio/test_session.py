@@ -30,6 +30,14 @@ process Main {
 }
 """
 
+LEFT_ALONE = """\
+process Short { out o : int  composition { o ! 1 } }
+process Long { in i : int  communication { var n : int = 0 }  composition { i ? n ; i ? n } }
+process Main {
+  communication { a : Short  b : Long  a.o -> b.i }
+  composition { a || b }
+}
+"""
 KNOB = """\
 parameter gain = 2.0
 process Scale {
@@ -178,6 +186,16 @@ def test_a_deadlock_is_seen(player: Player) -> None:
     ended = player.notifications[-1]["params"]
     assert (ended["reason"], ended["at"], len(ended["ring"])) == ("deadlock", 10_000_000, 10)
     assert ended["waiting"][0]["for"] == "to write SymmetricTable.philosopher[0].second"
+    assert ended["waiting"][0]["why"] == ""
+
+
+def test_what_no_process_does_any_more_is_said(player: Player) -> None:
+    session = player.ask("start", **program(LEFT_ALONE))["session"]
+    player.ask("step", session=session, by="instant")
+    ended = player.notifications[-1]["params"]
+    assert ended["reason"] == "deadlock"
+    (waiting,) = ended["waiting"]
+    assert (waiting["for"], waiting["why"]) == ("to read Main.a.o", "; no other process that still runs writes to it")
 
 
 def test_a_hand_takes_over_an_input_and_gives_it_back(player: Player) -> None:

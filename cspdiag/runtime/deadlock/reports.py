@@ -82,7 +82,7 @@ class DeadlockReport:
         which = "these processes wait" if self.others else "a process waits"
         lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can happen any more"]
         lines += _shortened(
-            f"  {process}{_ended_readers(process, ', for') or _missing_partner(process)}" for process in self.waiting
+            f"  {process}{_ended_readers(process, ', for') or missing_partner(process)}" for process in self.waiting
         )
         return "\n".join(lines)
 
@@ -94,7 +94,7 @@ def _shortened(lines: Iterable[str]) -> list[str]:
     return found if left_out <= 0 else [*found[:-2][: MOST_SHOWN - 2], f"  ... {left_out} more ...", *found[-2:]]
 
 
-def _missing_partner(process: WaitingProcess) -> str:
+def missing_partner(process: WaitingProcess) -> str:
     """``; no other process that still runs writes to it``; "" if one may, or if it does not wait for a channel."""
     if process.partners or not process.channels:
         return ""

@@ -78,7 +78,7 @@ class Devices:
                 continue
             seen.add(id(device))
             if not self._clock.real and getattr(device, "needs_real_time", False):
-                reason = ValueError("it needs real time: run with --real-time")
+                reason = ValueError("it needs real time; on the command line: --real-time")
                 raise DriverFailed(DriverError(name_of(device), port.name, "open", reason))
             opening = getattr(device, "open", None)
             if opening is not None:

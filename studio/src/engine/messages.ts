@@ -117,6 +117,8 @@ export interface Waiting {
   for?: string | null;
   /** The processes that it waits for. */
   partners?: string[] | null;
+  /** Why it waits forever, as the end of the sentence, if no process is at the other side. */
+  why?: string;
 }
 
 export interface Step {

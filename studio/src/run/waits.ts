@@ -3,16 +3,14 @@
 import type { Waiting } from "../engine/messages";
 import { h } from "../page/dom";
 
-export function sentence({ process, channels, for: what, partners }: Waiting): string {
+export function sentence({ process, channels, for: what, partners, why = "" }: Waiting): string {
   const where = channels.length === 0 ? "" : ` on ${channels.join(", ")}`;
   const whom = partners != null && partners.length > 0 ? `, for ${partners.join(", ")}` : "";
   if (what == null || what === "") {
-    return `${process} waits${where}${whom}`;
+    return `${process} waits${where}${whom}${why}`;
   }
-  if (/\bwaits?\b/.test(what)) {
-    return `${process} ${what}${whom}`;
-  }
-  return `${process} waits${what.startsWith("to ") ? ` ${what}` : `${where} for ${what}`}${whom}`;
+  const verb = /^(waits|ends|is)\b/.test(what) ? "" : what.startsWith("in ") ? "is " : "waits ";
+  return `${process} ${verb}${what}${whom}${why}`;
 }
 
 /** What all paths begin with: the name of the whole program and a dot; without paths nothing that occurs in texts. */

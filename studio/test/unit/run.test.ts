@@ -83,7 +83,10 @@ test("the cursor lights the smallest element around it", () => {
 });
 
 test("who waits is said in one sentence", () => {
-  assert.equal(sentence({ process: "a", channels: ["k"], for: "b" }), "a waits on k for b");
+  assert.equal(sentence({ process: "a", channels: [], for: "forever, at stop" }), "a waits forever, at stop");
+  assert.equal(sentence({ process: "a", channels: [], for: "in an endless loop" }), "a is in an endless loop");
+  assert.equal(sentence({ process: "a", channels: [], for: "ends its parallel branches" }), "a ends its parallel branches");
+  assert.equal(sentence({ process: "a", channels: ["k"], for: "to read k", why: "; nobody writes" }), "a waits to read k; nobody writes");
   assert.equal(sentence({ process: "a", channels: ["k"], for: "waits to write" }), "a waits to write");
   assert.equal(sentence({ process: "a", channels: [] }), "a waits");
   assert.equal(sentence({ process: "a", channels: ["k"], for: "to read k", partners: ["b"] }), "a waits to read k, for b");

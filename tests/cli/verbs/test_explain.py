@@ -15,6 +15,12 @@ def test_a_page_shows_both_programs(cspdiag: Command) -> None:
     assert "Fixed:\n\n    " in result.out
 
 
+def test_a_warning_refuses_nothing(cspdiag: Command) -> None:
+    page = cspdiag("explain", "W0690").out
+    assert "Warned about:\n\n    " in page
+    assert "Refused" not in page
+
+
 def test_small_letters_are_accepted(cspdiag: Command) -> None:
     assert cspdiag("explain", "e0101") == cspdiag("explain", "E0101")
 

@@ -37,7 +37,8 @@ def test_a_device_for_real_time_is_not_opened_in_virtual_time() -> None:
     port: SampledInput[float] = SampledInput("Main.level", period=10 * ms, driver=DevicePort(device, "level"))
     outcome = Network(_Waiting("Main"), (port,)).run()
     assert str(outcome.error) == (
-        "driver _Clocked failed to open at port Main.level: ValueError: it needs real time: run with --real-time"
+        "driver _Clocked failed to open at port Main.level: ValueError: it needs real time; "
+        "on the command line: --real-time"
     )
     assert not device.opened
     assert outcome.time == 0

@@ -12,6 +12,7 @@ from cspdiag import pipeline
 from cspdiag.api import ProgramError
 from cspdiag.arguments import settings_of, time_limit
 from cspdiag.base.errors import file_errors
+from cspdiag.runtime.deadlock.reports import missing_partner
 from cspdiag.runtime.kernel.durations import END_OF_TIME
 from cspdiag.simulate.record.leaves import leaves
 from cspdiag.simulate.run.live import LiveRun
@@ -278,7 +279,7 @@ class Session:
             "missed": self._run.missed,
             "waiting": [
                 {"process": each.path, "channels": list(each.channels), "for": each.waits, "place": each.place,
-                 "partners": list(each.partners)}
+                 "partners": list(each.partners), "why": missing_partner(each)}
                 for each in stuck
             ],
             "ring": [] if deadlock is None else [each.path for each in deadlock.cycle],
