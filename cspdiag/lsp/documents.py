@@ -134,8 +134,7 @@ class Documents:
     def read(self, name: str) -> SourceFile:
         """The present text of a file.
 
-        Raises OSError if it is not UTF-8 on the disk, even if it is open, or cannot be read otherwise, and ValueError if
-        it is too large.
+        Raises OSError if it cannot be read, or is open but not UTF-8 on the disk; ValueError if it is too large.
         """
         document = self._open.get(identity(name))
         reason = None if document is None else document.misread
