@@ -83,7 +83,7 @@ step("a mistake is shown as a diagnostic", async () => {
   await editor.open("slip.csp");
   await editor.page.locator(".squiggly-error").first().waitFor();
   await editor.goTo(2, 20);
-  await editor.command("View: Toggle Problems");
+  await editor.command("Problems: Focus on Problems View");
   await editor.page.locator(".markers-panel", { hasText: "there is no value `peroid`" }).waitFor();
   await editor.screenshot("slip");
 });
@@ -98,12 +98,12 @@ step("the problems of a task are shown, also of the last file, beside those of t
     return (await badge.count()) > 0;
   });
   await editor.page.locator(".squiggly-error").first().waitFor();
-  await editor.command("View: Toggle Problems");
+  await editor.command("Problems: Focus on Problems View");
   await editor.page.locator(".markers-panel", { hasText: "there is no value `peroid`" }).waitFor();
 });
 
 step("the diagram is beside the text, and lit where the cursor is", async () => {
-  await editor.command("View: Toggle Problems");
+  await editor.command("View: Hide Panel");
   // Without the list of files there is more room for the diagram.
   await editor.page.keyboard.press("Control+b");
   await editor.open("jiwy.csp", 29, 6);
