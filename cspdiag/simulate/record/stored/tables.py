@@ -31,6 +31,7 @@ from cspdiag.simulate.record.stored.described import RecordedPort, RecordingHead
 from cspdiag.simulate.record.stored.parameters import PARAMETERS
 from cspdiag.simulate.record.stored.recording import RecordingError, StoredRecording, assembled
 from cspdiag.simulate.record.streamed.blocks import Block
+from cspdiag.simulate.record.streamed.part_file import is_part_name
 
 if TYPE_CHECKING:
     import numpy
@@ -123,7 +124,11 @@ def open_table(path: str, ports: Sequence[RecordedPort] | None = None) -> Stored
 
 
 def _is_whole(path: str) -> bool:
-    """Whether the last line of a table has its end; otherwise the process was killed while it wrote that line."""
+    """Whether a table has the end of its run: by its name, as nothing in it says so, and because its last line has an
+    end; otherwise the process was killed while it wrote that line.
+    """
+    if is_part_name(path):
+        return False
     with open(path, "rb") as file:
         size = file.seek(0, os.SEEK_END)
         file.seek(max(size - 1, 0))

@@ -42,6 +42,12 @@ def part_name(path: str, ending: str | None = None) -> str:
     return f"{root}.part{own if ending is None else ending}"
 
 
+def is_part_name(path: str) -> bool:
+    """Whether a file has such a name: its run did not end, or has not ended yet."""
+    root, _ = os.path.splitext(path)
+    return root.endswith(".part")
+
+
 class PartFile:
     """A ``Sink`` that becomes the file at ``path``; a device or a pipe is written to as it is.
 

@@ -106,7 +106,9 @@ def require_gapless(found: Seen) -> int:
         ("run.parquet", "run.part.mcap"),
     ],
 )
-def test_a_killed_run_leaves_a_part_that_others_read(folder: Path, name: str, part: str, options: list[str]) -> None:
+def test_a_killed_run_leaves_a_part_that_others_read(
+    folder: Path, name: str, part: str, options: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     process = started(folder, name, *options)
     inside = folder / part / "bag_0.mcap" if part.endswith("/") else folder / part
     wait_for(inside, 50_000, process)
@@ -117,6 +119,8 @@ def test_a_killed_run_leaves_a_part_that_others_read(folder: Path, name: str, pa
     process.communicate()
     assert not (folder / name).exists()
     assert require_gapless(seen(folder, part)) > 100
+    assert main(["show", str(folder / part)]) == 1
+    assert "not whole: the run was cut off; it has everything up to " in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
