@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.laws.calls import body_name, law_members
 from cspdiag.codegen.c.laws.external import source_paths
-from cspdiag.codegen.c.laws.laws import body_name, law_members
 from cspdiag.codegen.c.text.code import call
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted

@@ -8,7 +8,7 @@ import posixpath
 from collections.abc import Iterator, Sequence
 
 from cspdiag.base.files.resources import template_folder
-from cspdiag.codegen.c.laws.laws import body_name
+from cspdiag.codegen.c.laws.calls import body_name
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.types import CTypes

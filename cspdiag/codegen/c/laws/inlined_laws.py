@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import cached_property
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.laws.calls import body_name
 from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, record_fault_place
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
-from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.text.code import PRODUCT, Code, cast, code, infix
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.names import Names, identifier

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.laws.calls import STEPS, SUB_STEP, body_name, kernel_of, law_may_fault, law_members, law_verbs
 from cspdiag.codegen.c.laws.equations import (
     EquationWriter,
     LocalVariable,
@@ -16,12 +17,12 @@ from cspdiag.codegen.c.laws.equations import (
     record_fault_place,
     without_last_return,
 )
-from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
-from cspdiag.codegen.c.text.code import CSP, PRODUCT, Code, address, call, cast, code, ignored, infix, own
+from cspdiag.codegen.c.laws.integration import Integration, sub_steps
+from cspdiag.codegen.c.text.code import PRODUCT, Code, address, call, cast, code, ignored, infix, own
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.kernel import KERNEL
-from cspdiag.codegen.c.text.names import Names, PackageNames, snake_case
+from cspdiag.codegen.c.text.names import Names, PackageNames
 from cspdiag.codegen.c.text.statements import (
     Block,
     Function,
@@ -47,59 +48,13 @@ from cspdiag.codegen.shared.laws.equations import (
     read_after_change,
     signal_types,
     signals,
-    values,
 )
 from cspdiag.model.types import TimeType, Type, is_single
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import FunctionCall
-from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import ClassParameter, SubmodelClass
 from cspdiag.network.ir.walk import parts
-
-_STEPS = "integration_steps"
-_SUB_STEP = "sub_step"
-
-
-def law_may_fault(class_: SubmodelClass) -> bool:
-    """Whether one run of the law can fault, so its caller has to check."""
-    items = [part for equation in class_.equations for part in values(equation)]
-    items += [value for _, value in class_.next_values]
-    return bool(class_.derivatives) or any(map(may_fault, items))
-
-
-def law_verbs(class_: SubmodelClass) -> frozenset[str]:
-    """Which functions of a law can note a fault, and so are passed the state of the run: ``initialize``, ``reset``,
-    ``calculate``. Those that are written by hand note none.
-    """
-    if class_.external is not None:
-        return frozenset()
-    calls = [equation for equation in class_.equations if isinstance(equation, ExternalCall)]
-    first = [item.value for item in constants_needed(class_)]
-    first += [value for item in calls for _, value in item.arguments]
-    verbs = {"calculate"} if law_may_fault(class_) else set()
-    verbs |= {"reset", "initialize"} if any(may_fault(state.initial) for state in class_.states) else set()
-    return frozenset(verbs | ({"initialize"} if any(map(may_fault, first)) else set()))
-
-
-def kernel_of(verbs: frozenset[str], verb: str) -> tuple[Code, ...]:
-    """The first argument of a call of such a function."""
-    return (CSP,) if verb in verbs else ()
-
-
-def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
-    """The C names of the members of the struct of a law and of the local variables of its functions, by their names in
-    the source text.
-    """
-    members = Names() if class_.external is not None else Names({*names.globals, *LOCALS, _STEPS, _SUB_STEP})
-    for item in (*class_.ports, *class_.parameters, *class_.states):
-        members[item.name]
-    return members
-
-
-def body_name(call: ExternalCall) -> str:
-    """The name of the struct of a nested body in C, which is also the prefix of its functions."""
-    return snake_case(call.definition)
 
 
 @record
@@ -188,7 +143,7 @@ class LawFiles:
         ]
         stored += [self._field(item) for item in constants_needed(class_) if item.name in self._used_in_runs]
         if self._sub_steps:
-            stored += [("int64_t", _STEPS, "of the integration in a sample"), ("double", _SUB_STEP, "in seconds")]
+            stored += [("int64_t", STEPS, "of the integration in a sample"), ("double", SUB_STEP, "in seconds")]
         groups.append(("Parameters and what follows from them", stored))
         groups.append(
             ("Parts in C", [(f"struct {body_name(item)}", self.members[item.name], None) for item in self._calls])
@@ -297,9 +252,9 @@ class LawFiles:
             target: Target = LocalVariable(type_name, member) if constant.name in local else own(member)
             statements += writer.assign(target, constant.value, self._place(constant))
         if self._sub_steps:
-            sample, steps = code(self.members["sample"]), own(_STEPS)
+            sample, steps = code(self.members["sample"]), own(STEPS)
             statements.append(store(steps, sub_steps(sample, float(class_.step or 1))))
-            statements.append(store(own(_SUB_STEP), infix("/", PRODUCT, sample, cast("double", steps))))
+            statements.append(store(own(SUB_STEP), infix("/", PRODUCT, sample, cast("double", steps))))
         for called in self._calls:
             setup, arguments = printer.arguments([value for _, value in called.arguments])
             statements += setup
@@ -386,8 +341,8 @@ class LawFiles:
         return LocalVariable(f"const {type_name}" if fixed else type_name, self.members[name])
 
     def _integration_statements(self, printer: Printer, places: Mapping[str, str]) -> list[Statement]:
-        step = own(_SUB_STEP) if self._sub_steps else own(self.members["sample"])
-        count = own(_STEPS) if self._sub_steps else None
+        step = own(SUB_STEP) if self._sub_steps else own(self.members["sample"])
+        count = own(STEPS) if self._sub_steps else None
         statements: list[Statement] = [define("const double", "h", step)]
         statements += self._integration.steps(printer.signal, count)
         check = self._writer(printer).check

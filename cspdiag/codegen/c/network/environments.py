@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.laws.calls import body_name
 from cspdiag.codegen.c.laws.equations import (
     EquationWriter,
     LocalVariable,
@@ -15,7 +16,6 @@ from cspdiag.codegen.c.laws.equations import (
     record_fault_place,
 )
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, steps_until_now
-from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.laws.linear import LinearStep, linear_steps
 from cspdiag.codegen.c.network.devices import Devices
 from cspdiag.codegen.c.network.literals import WithLiterals, with_literals

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from functools import cached_property
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.laws.calls import body_name
 from cspdiag.codegen.c.laws.equations import Check, EquationWriter
-from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.text.code import CSP, Aggregate, Call, Code, address, call, cast, code, ignored, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted

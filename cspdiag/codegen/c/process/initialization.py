@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.laws import kernel_of, law_verbs
+from cspdiag.codegen.c.laws.calls import kernel_of, law_verbs
 from cspdiag.codegen.c.process.leaves import KINDS
 from cspdiag.codegen.c.process.outlines import Outlines
 from cspdiag.codegen.c.process.struct.declarations import port_members

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.laws.calls import body_name, kernel_of, law_may_fault, law_members, law_verbs
 from cspdiag.codegen.c.laws.equations import (
     Check,
     EquationWriter,
@@ -15,7 +16,6 @@ from cspdiag.codegen.c.laws.equations import (
     without_last_return,
 )
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
-from cspdiag.codegen.c.laws.laws import body_name, kernel_of, law_may_fault, law_members, law_verbs
 from cspdiag.codegen.c.process.routines import Waiting
 from cspdiag.codegen.c.process.steps.kept_values import kept_values
 from cspdiag.codegen.c.process.steps.plain_steps import (
