@@ -35,7 +35,7 @@ def network_of(path: Path) -> Network:
 
 @NEEDS_COMPILER
 @pytest.mark.parametrize("level", [0, 1])
-@pytest.mark.parametrize("name", ["guarded", "names", "priorities", "raising"])
+@pytest.mark.parametrize("name", ["endless_part", "guarded", "names", "priorities", "raising"])
 def test_a_program_gives_the_trace_of_the_reference(name: str, level: int) -> None:
     network = network_of(OWN / f"{name}.csp")
     expected = execute.simulate(network, pipeline.generate(network, read_source), until=LIMIT)

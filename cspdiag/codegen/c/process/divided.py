@@ -14,6 +14,7 @@ from cspdiag.codegen.c.text.statements import (
     State,
     Statement,
     Wait,
+    goto,
     jumps_to,
     return_value,
     store,
@@ -49,7 +50,7 @@ def divide(routine: Routine) -> None:
     begins = [routine.states.fresh(f"{snake_case(identifier(piece.section.title))}_begins".upper()) for piece in pieces]
     ends = routine.states.fresh(f"{routine.title or routine.name}_ends".upper())
     last = pieces[-1]
-    tail = last.body[_after(last) :]
+    tail = [*last.body[_after(last) :], *([goto(outermost.label)] if routine.runs_into_failure else [])]
     cases: list[Statement] = []
     for position, piece in enumerate(pieces):
         name = f"{routine.name}_{snake_case(identifier(piece.section.title))}"

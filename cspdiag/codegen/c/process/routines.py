@@ -102,6 +102,8 @@ class Routine:
     number: str | None = None
     places: list[WaitingState] = field(default_factory=list)
     body: list[Statement] = field(default_factory=list)
+    runs_into_failure: bool = False
+    """Whether the body ends where the process fails, without a jump."""
     sections: list[Section] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     """Functions that the step function calls, if it is divided, and ..."""

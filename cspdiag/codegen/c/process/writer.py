@@ -135,6 +135,7 @@ class Writer:
         unwinding = [run(call("csp_unwind", "party")), *closing, return_value(call("csp_fail", "party"))]
         if failing and not routine.outermost.is_entered_by_kernel and routine.body[-1] == goto(routine.outermost.label):
             routine.body.pop()
+            routine.runs_into_failure = True
             reached = jumps_to(routine.outermost.label, routine.body)
             routine.body += [*(failing if reached else []), *unwinding]
         elif failing:

@@ -256,7 +256,7 @@ jiwy_instance *jiwy_begin(void *memory, size_t size,
     self->program = &network_program;
     self->place = self;
     connect(self);
-    if (self->network.refusal.cause != CSP_ACCEPTED) {
+    if (self->network.refusal.cause != (uint16_t)CSP_ACCEPTED) {
         self->place = NULL;
         if (reason != NULL) {
             *reason = "the parameters have values that the program cannot have";
