@@ -34,7 +34,7 @@ class Document:
         self.answered: dict[str, str] = {}
         """The last answer about each assertion, by its text; the program may have changed since."""
         self._on_disk: tuple[tuple[int, int, int], str | None] | None = None
-        """What distinguishes the file that was looked at last, and why that is not text in UTF-8, if it is not."""
+        """What distinguishes the file that was read last, and why that is not text in UTF-8, if it is not."""
 
     def _text(self, whole: str, positions: Positions) -> str:
         mark = self.style.mark

@@ -34,7 +34,7 @@ class Session:
         self.parses = 0
         """How many texts were parsed."""
         self.imports_changed = False
-        """Whether a program has changed whose main file has not; reset by whoever tells the editor."""
+        """Whether a program has changed whose main file has not, since the editor was last refreshed."""
 
     def view(self, document: Document) -> View:
         """The program of which an open document is the main file, as it is now."""

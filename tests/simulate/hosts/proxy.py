@@ -33,7 +33,7 @@ class Proxy:
         self._open.clear()
 
     def fall_silent(self) -> None:
-        """Passes nothing any more, as a cable that was pulled: connections stay, and nobody is told."""
+        """Passes nothing any more, as a cable that was pulled: connections stay, and neither end notices."""
         self._passes.clear()
 
     def reopen(self) -> None:

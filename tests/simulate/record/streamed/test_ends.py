@@ -215,10 +215,10 @@ environment Wired for Main { card : Card card.level -> level valve -> _ }
     before = sorted(path.name for path in tmp_path.iterdir())
     capsys.readouterr()
     assert main(["run", "main.csp", "--environment", "Wired", "--for", "50ms", "--record", name]) == 1
-    told = capsys.readouterr().err
-    assert "failed to open at port Main.level: OSError: the card is not there" in told
-    assert f"nothing was recorded, so {name} was not written" in told
-    assert "wrote" not in told
+    printed = capsys.readouterr().err
+    assert "failed to open at port Main.level: OSError: the card is not there" in printed
+    assert f"nothing was recorded, so {name} was not written" in printed
+    assert "wrote" not in printed
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "__pycache__") == before
     assert earlier is None or Path(name).read_bytes() == earlier
 
