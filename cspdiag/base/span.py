@@ -57,6 +57,12 @@ class SourceFile:
         return self.text[start:end].rstrip("\r\n")
 
 
+def _end(span: Span) -> int:
+    """The offset after its last character."""
+    length: int = span._length  # type: ignore[attr-defined]
+    return span.start + length
+
+
 class Span:
     """A half-open range of characters of one file.
 
@@ -70,7 +76,7 @@ class Span:
 
     source: SourceFile
     start: int
-    end: int = property(lambda span: span.start + span._length)  # type: ignore[assignment]
+    end: int = property(_end)  # type: ignore[assignment]
 
     def __init__(self, source: SourceFile, start: int, end: int) -> None:
         _set_source(self, source)
