@@ -144,7 +144,8 @@ export interface Answer {
   place?: Place | null;
   verdict: string;
   text: string;
-  suggestion?: Fix | null;
+  /** Each of them, alone, makes the assertion hold. */
+  suggestions?: Fix[];
   counterexample?: Counterexample | null;
 }
 

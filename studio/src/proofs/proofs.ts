@@ -89,7 +89,7 @@ export class Proofs {
   }
 
   private answered(answer: Answer): HTMLElement {
-    const { suggestion, counterexample, place } = answer;
+    const { suggestions = [], counterexample, place } = answer;
     const title =
       place == null ? h("b", {}, answer.assertion) : button(answer.assertion, () => this.go(place), { class: "link" });
     return h(
@@ -105,7 +105,7 @@ export class Proofs {
         counterexample == null || scenes(counterexample).length === 0
           ? undefined
           : button("Show the counterexample", () => this.play(answer.assertion, counterexample)),
-        suggestion == null ? undefined : button(inline(suggestion.title), () => this.fix(suggestion)),
+        ...suggestions.map((each) => button(inline(each.title), () => this.fix(each))),
       ),
     );
   }

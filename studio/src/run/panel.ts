@@ -191,7 +191,7 @@ export class RunPanel {
       const names = started.signals.map((signal) => signal.name);
       this.plantRoom.hidden = !this.plant.open(pictureOf(this.workspace.program, started.environment ?? this.environment.value), names);
     }
-    this.run.textContent = phase === "playing" ? "Pause" : phase === "ended" ? "Again" : phase === "paused" ? "Resume" : "Run";
+    this.run.textContent = phase === "playing" ? "Pause" : phase === "ended" ? "Again" : phase === "paused" ? "Resume" : phase === "starting" ? "Starting" : "Run";
     const paced = session.realTime && phase === "playing";
     this.run.disabled = phase === "starting" || paced || !this.controls;
     this.step.disabled = (paced || !this.controls) && session.live;
@@ -234,7 +234,7 @@ export class RunPanel {
     const { ended, problem } = session;
     const stale = session.started !== undefined && this.ranVersion !== this.workspace.version;
     const missed = Object.entries(session.missed).map(([name, count]) => `${name} (${count})`);
-    const key = `${problem}|${ended?.text ?? ""}|${ended?.reason ?? ""}|${stale}|${missed.join()}`;
+    const key = `${problem}|${ended?.text ?? ""}|${ended?.reason ?? ""}|${stale}|${missed.join()}|${session.standsStill}`;
     if (this.note.dataset["key"] === key) {
       return;
     }
@@ -252,6 +252,11 @@ export class RunPanel {
       if (listed) {
         this.note.append(waits.list(ended.waiting ?? []));
       }
+    } else if (session.standsStill) {
+      this.note.classList.add("bad");
+      const working = session.recording.runningAt(session.recording.now).join(", ");
+      const who = working === "" ? "" : ` At work: ${working}.`;
+      this.note.append(`Simulated time stands still at ${clock(session.recording.now)}: the program communicates or computes without end in this instant.${who} Prove shows a run without end.`);
     } else if (stale) {
       this.note.append("This is a run of the text as it was. ", button("Run the new text", () => void this.again()));
     }

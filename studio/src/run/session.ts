@@ -6,6 +6,9 @@ import { Recording } from "./recording";
 
 export type Phase = "idle" | "starting" | "playing" | "paused" | "ended";
 
+/** Milliseconds of frames in one instant after which it is said that time stands still. */
+const STANDSTILL = 2000;
+
 export class Session {
   phase: Phase = "idle";
   started: StartResult | undefined;
@@ -14,6 +17,10 @@ export class Session {
   problem = "";
   /** How many samples of inputs were missed until now. */
   missed: Record<string, number> = {};
+  /** Whether frames have arrived for some time in which time has not passed. */
+  standsStill = false;
+  /** When time passed last, by the clock of the page. */
+  private passed = 0;
   /** The instant that is shown; undefined: the latest. */
   private looked: number | undefined;
   private listeners: (() => void)[] = [];
@@ -70,6 +77,7 @@ export class Session {
     this.started = running;
     this.recording = new Recording(running.signals.map((signal) => signal.name));
     this.phase = "playing";
+    this.passed = performance.now();
     this.changed();
   }
 
@@ -80,6 +88,7 @@ export class Session {
     }
     this.looked = undefined;
     this.phase = "playing";
+    this.passed = performance.now();
     this.changed();
     await this.ask(() => this.engine.request("play", { session: this.session, speed }));
   }
@@ -135,6 +144,7 @@ export class Session {
     this.looked = undefined;
     this.problem = "";
     this.missed = {};
+    this.standsStill = false;
     this.sent.clear();
     this.recording = new Recording([]);
     this.changed();
@@ -189,6 +199,10 @@ export class Session {
 
   private frame(frame: Frame): void {
     if (frame.session === this.started?.session) {
+      if (frame.to > this.recording.now || this.phase !== "playing" || this.realTime) {
+        this.passed = performance.now();
+      }
+      this.standsStill = performance.now() - this.passed > STANDSTILL;
       this.recording.add(frame);
       this.missed = frame.missed ?? {};
       const refused = frame.refused?.at(-1);
@@ -200,6 +214,7 @@ export class Session {
   private end(ended: Ended): void {
     if (ended.session === this.started?.session) {
       this.ended = ended;
+      this.standsStill = false;
       this.phase = "ended";
       this.recording.end(ended.at ?? this.recording.now, ended.waiting ?? []);
       this.changed();

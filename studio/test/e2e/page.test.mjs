@@ -107,6 +107,7 @@ test("a counterexample is a film, and its suggestion fixes the text", async () =
   assert.match(await page.locator("#ui-film .waits").textContent(), /right waits to read/);
   await screenshot(page, "film");
   await page.keyboard.press("Escape");
+  await page.getByRole("button", { name: "let left write first" }).waitFor();
   await page.getByRole("button", { name: "let right read first" }).click();
   await page.locator(".cm-line", { hasText: "// fixed" }).waitFor();
   await page.close();

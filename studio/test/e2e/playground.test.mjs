@@ -58,6 +58,18 @@ test("a slip is found as it is written", async () => {
   await page.locator("#ui-problems li", { hasText: "there is no value" }).waitFor();
 });
 
+test("an instant without end is said, and the whole diagram fits", async () => {
+  const body = "in a : int out b : int communication { var x : int = 0 }";
+  const pair = "communication { ping : Ping pong : Pong ping.b -> pong.a pong.b -> ping.a } composition { ping || pong }";
+  await write(page, `process Ping { ${body} composition { mu (b ! x ; a ? x) } }\nprocess Pong { ${body} composition { mu (a ? x ; b ! x) } }\nprocess Chatter { ${pair} }\n`);
+  await page.locator("#Chatter-ping").waitFor();
+  await page.getByRole("button", { name: "Fit" }).click();
+  assert.ok(await page.locator("#ui-diagram").evaluate((room) => room.scrollHeight <= room.clientHeight));
+  await page.locator("#ui-run-button").click();
+  await page.locator("#ui-run-note.bad", { hasText: "stands still at 0.000 s" }).waitFor();
+  await page.locator("#ui-stop").click();
+});
+
 test("the philosophers are proved to deadlock, which is shown step by step", async () => {
   await page.getByLabel("Example", { exact: true }).selectOption("dining/deadlock");
   await page.locator("#ui-diagram svg", { hasText: "philosopher" }).waitFor();

@@ -86,7 +86,7 @@ const ANSWERS = {
   verify: () => [
     {
       assertion: word("Pair deadlock free"), place: place(4, 0, 25), verdict: "fails", text: word("it can deadlock after 1 step"),
-      suggestion: { title: word("let right read first"), edits: [{ place: place(4, 0, 0), text: "// fixed\n" }] },
+      suggestions: ["let right read first", "let left write first"].map((title) => ({ title: word(title), edits: [{ place: place(4, 0, 0), text: "// fixed\n" }] })),
       counterexample: { steps: [{ text: word("left writes 1 on token to right"), channel: "Pair.token", writer: "Pair.left", reader: "Pair.right", value: "1" }], final: { text: word("both wait for each other"), waiting: WAITING } },
     },
   ],

@@ -49,7 +49,7 @@ export class Picture {
   private svg: SVGSVGElement | undefined;
   /** Undefined while the picture is as large as its room allows. */
   private scale: number | undefined;
-  /** Whether the whole width is wanted, legible or not. */
+  /** Whether the whole diagram is wanted, legible or not. */
   private whole = false;
   /** Whether the pointer was moved while it was down: then it was no click. */
   private dragged = false;
@@ -123,7 +123,7 @@ export class Picture {
     this.zoom(1 / STEP);
   }
 
-  /** As large as the width allows; a small one no larger than its room. */
+  /** As large as its room allows. */
   fit(): void {
     this.whole = true;
     this.scale = undefined;
@@ -166,7 +166,10 @@ export class Picture {
     }
     const { width, height } = this.natural();
     const wide = this.room.clientWidth / width;
-    if (!this.whole && this.room.clientWidth < NARROW) {
+    if (this.whole) {
+      return Math.min(wide, this.room.clientHeight / height, LARGEST);
+    }
+    if (this.room.clientWidth < NARROW) {
       return Math.min(Math.max(wide, LEGIBLE), 1);
     }
     return wide <= 1 ? wide : Math.min(wide, LARGEST, Math.max(1, this.room.clientHeight / height));
