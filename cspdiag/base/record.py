@@ -8,10 +8,11 @@ dataclasses for it.
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping
 from functools import partial, wraps
-from operator import attrgetter
+from itertools import repeat
+from operator import attrgetter, call
 from types import FunctionType, MappingProxyType
 from typing import Any, Final, Generic, TypeAlias, TypeVar, dataclass_transform, overload
 
@@ -92,9 +93,11 @@ def _declared_in(annotations: Mapping[str, str]) -> tuple[str, ...]:
 def _restored(kind: type[T], values: tuple[object, ...]) -> T:
     """A slotted record with these values, for those that store records."""
     item = kind.__new__(kind)
-    for store, value in zip(kind.__record_stores__, values, strict=True):  # type: ignore[attr-defined]
-        store(item, value)
+    _take_all(map(call, kind.__record_stores__, repeat(item), values))  # type: ignore[attr-defined]
     return item
+
+
+_take_all = deque[object](maxlen=0).extend
 
 
 def _stored(self: Any) -> tuple[Callable[..., Any], tuple[type, tuple[object, ...]]]:
@@ -113,8 +116,7 @@ def _keep(values: dict[str, Any]) -> None:
     self = values.pop("self")
     kind = type(self)
     if isinstance(kind, Slotted):
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        _take_all(map(object.__setattr__, repeat(self), values, values.values()))
     else:
         self.__dict__.update(values)
     count = _counts.get(kind)
