@@ -25,12 +25,16 @@ async function page(request, response) {
   }
 }
 
-/** Carries each line of the engine to the page, and each message of the page to the engine. */
+/** Carries each line of the engine to the page, and each request of the page to the engine. */
 function connect(socket, command) {
   const [program, ...rest] = command;
   const engine = spawn(program, rest, { cwd: path.join(ROOT, ".."), stdio: ["pipe", "pipe", "inherit"] });
   createInterface({ input: engine.stdout }).on("line", (line) => socket.send(line));
-  socket.on("message", (data) => engine.stdin.write(`${data}\n`));
+  socket.on("message", (data) => {
+    const { id, method } = JSON.parse(data);
+    if (id !== undefined) engine.stdin.write(`${data}\n`);
+    else if (method === "ping") socket.send(JSON.stringify({ method: "pong" }));
+  });
   socket.on("close", () => engine.kill());
   engine.stdin.on("error", () => socket.close());
   engine.on("exit", () => socket.close(1011, "the engine has ended"));

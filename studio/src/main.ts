@@ -25,6 +25,8 @@ const PAUSE = 150;
 const KEEPING = 500;
 /** Names the program of the engine in the list of examples, which has no such name. */
 const OWN = "/";
+/** What a page says whose server is stopped (Ctrl+Z) or has too little of the processor. */
+const SILENT = "The server does not answer: it is stopped, or the machine is too busy.";
 
 const status = element("engine", HTMLElement);
 const models = element("models", HTMLSelectElement);
@@ -35,7 +37,13 @@ const layout = element("layout", HTMLElement);
 
 const quiet = settled(4000, () => say(message, ""));
 const workspace = new Workspace();
-const engine = new Connection(chosen(), (reason) => say(status, `The engine is gone: ${reason}.`, true));
+const engine = new Connection(chosen(), {
+  lost: (reason) => say(status, `The engine is gone: ${reason}.`, true),
+  silent: (silent) => {
+    greet(silent);
+    session.silent(silent);
+  },
+});
 const diagram = new Diagram(engine, workspace, go);
 const session = new Session(engine);
 const run = new RunPanel(session, workspace, diagram);
@@ -64,6 +72,14 @@ const saving = new Saving(engine, workspace, report);
 const showHand = viewers(engine, report, (controls) => run.control(controls));
 const showPart = tabs(element("parts", HTMLElement), (view) => (layout.dataset["part"] = view));
 const showSide = tabs(element("sides", HTMLElement), (view) => (layout.dataset["side"] = view));
+
+/** What the engine is, which `hello` answers. */
+let greeting = "Starting the engine …";
+
+/** Says what the engine is, or that it does not answer. */
+function greet(silent: boolean): void {
+  say(status, silent ? SILENT : greeting, silent);
+}
 
 function say(where: HTMLElement, text: string, bad = false): void {
   where.textContent = text;
@@ -285,10 +301,11 @@ function listen(): void {
 
 async function begin(): Promise<void> {
   listen();
-  say(status, "Starting the engine …");
+  greet(false);
   try {
     const hello = await engine.request("hello", {});
-    say(status, hello.engine === "machine" ? `On this machine · ${hello.version}` : `In this browser · ${hello.version}`);
+    greeting = hello.engine === "machine" ? `On this machine · ${hello.version}` : `In this browser · ${hello.version}`;
+    greet(false);
     offer(hello.models, hello.able?.["save"] === true ? (hello.program ?? undefined) : undefined);
     generate.offer(hello.targets ?? []);
     run.able(hello.able ?? {}, hello.recordings ?? []);

@@ -35,6 +35,7 @@ _HEADERS = {
 
 _POLICY_VIOLATION = 1008
 _SEEN = "seen"
+_PING = "ping"
 
 
 def application(room: Room, access: Access, first: SingleUse, page: Path) -> Starlette:
@@ -131,6 +132,9 @@ async def _answer(viewer: Viewer, room: Room, text: str | None) -> None:
     if method == _SEEN:
         viewer.seen()
         return
+    if method == _PING:
+        viewer.send({"method": "pong", "params": {}})
+        return
     viewer.pending += 1
     try:
         if method is None:
@@ -143,15 +147,15 @@ async def _answer(viewer: Viewer, room: Room, text: str | None) -> None:
 
 
 def _parsed(text: str | None) -> tuple[Any, str | None, dict[str, Any]]:
-    """The number, the method and the parameters of a request; without a method if it is none. A page that has seen a
-    frame says so without a number: it wants no answer.
+    """The number, the method and the parameters of a request; without a method if it is none. What a page says of its
+    connection has no number: that it has seen a frame, and a ping.
     """
     try:
         message = json.loads(text or "")
     except (ValueError, RecursionError):
         return None, None, {}
-    if message == {"method": _SEEN}:
-        return None, _SEEN, {}
+    if message in ({"method": _SEEN}, {"method": _PING}):
+        return None, message["method"], {}
     if not isinstance(message, dict) or not isinstance(message.get("id"), int | str):
         return None, None, {}
     method, params = message.get("method"), message.get("params", {})

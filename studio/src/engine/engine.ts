@@ -25,12 +25,22 @@ export interface Engine {
   on<N extends keyof Notifications>(name: N, listener: (params: Notifications[N]) => void): void;
 }
 
-/** How messages go to an engine; `receive` is called for each that comes back, `lost` when none will come any more. */
+/** How messages go to an engine. */
 export interface Transport {
   send: (message: object) => void;
 }
 
-export type Connect = (receive: (message: unknown) => void, lost: (reason: string) => void) => Transport;
+/** What a way to an engine reports. */
+export interface Reports {
+  /** A message that comes back. */
+  receive: (message: unknown) => void;
+  /** No message will come any more. */
+  lost: (reason: string) => void;
+  /** The other side does not answer for the time being, or answers again. */
+  silent: (silent: boolean) => void;
+}
+
+export type Connect = (reports: Reports) => Transport;
 
 interface Pending {
   resolve: (result: never) => void;
@@ -53,18 +63,19 @@ export class Connection implements Engine {
   private last = 0;
   private gone: string | undefined;
 
-  constructor(connect: Connect, onLost: (reason: string) => void = () => undefined) {
-    this.transport = connect(
-      (message) => this.receive(message as Incoming),
-      (reason) => {
+  constructor(connect: Connect, on: Omit<Reports, "receive">) {
+    this.transport = connect({
+      receive: (message) => this.receive(message as Incoming),
+      lost: (reason) => {
         this.gone = reason;
         for (const each of this.pending.values()) {
           each.reject(new EngineError(reason));
         }
         this.pending.clear();
-        onLost(reason);
+        on.lost(reason);
       },
-    );
+      silent: on.silent,
+    });
   }
 
   request<M extends Method>(method: M, params: Requests[M]["params"]): Promise<Requests[M]["result"]> {

@@ -19,6 +19,11 @@ const WINDOW = 10e9;
 const FLASH = 100e6;
 const MOST_SHOWN = 8;
 const REAL_TIME = "real time";
+const STALLED = {
+  server: "The run stands still on this page, because the server does not answer.",
+  process:
+    "Nothing has arrived of the run for 3 s: one of its processes computes without a communication, or the engine has other work. Stop ends the run, or loading the page again.",
+};
 
 export class RunPanel {
   private readonly environment = element("environment", HTMLSelectElement);
@@ -234,7 +239,8 @@ export class RunPanel {
     const { ended, problem } = session;
     const stale = session.started !== undefined && this.ranVersion !== this.workspace.version;
     const missed = Object.entries(session.missed).map(([name, count]) => `${name} (${count})`);
-    const key = `${problem}|${ended?.text ?? ""}|${ended?.reason ?? ""}|${stale}|${missed.join()}|${session.standsStill}`;
+    const { stalled, standsStill } = session;
+    const key = [problem, ended?.text, ended?.reason, stale, missed.join(), standsStill, stalled].join("|");
     if (this.note.dataset["key"] === key) {
       return;
     }
@@ -252,7 +258,10 @@ export class RunPanel {
       if (listed) {
         this.note.append(waits.list(ended.waiting ?? []));
       }
-    } else if (session.standsStill) {
+    } else if (stalled !== undefined) {
+      this.note.classList.add("bad");
+      this.note.append(STALLED[stalled]);
+    } else if (standsStill) {
       this.note.classList.add("bad");
       const working = session.recording.runningAt(session.recording.now).join(", ");
       const who = working === "" ? "" : ` At work: ${working}.`;

@@ -8,6 +8,8 @@ export type Phase = "idle" | "starting" | "playing" | "paused" | "ended";
 
 /** Milliseconds of frames in one instant after which it is said that time stands still. */
 const STANDSTILL = 2000;
+/** Milliseconds without a frame after which it is said that nothing arrives. */
+const PATIENCE = 3000;
 
 export class Session {
   phase: Phase = "idle";
@@ -21,6 +23,10 @@ export class Session {
   standsStill = false;
   /** When time passed last, by the clock of the page. */
   private passed = 0;
+  /** When the last frame arrived, by the clock of the page; undefined of a run that another page may have paused. */
+  private arrived: number | undefined;
+  /** Whether the server does not answer. */
+  private unanswered = false;
   /** The instant that is shown; undefined: the latest. */
   private looked: number | undefined;
   private listeners: (() => void)[] = [];
@@ -48,6 +54,21 @@ export class Session {
 
   get live(): boolean {
     return this.looked === undefined;
+  }
+
+  /** Why nothing has arrived of a run that goes on: the server does not answer, or a process computes without end. */
+  get stalled(): "server" | "process" | undefined {
+    if (this.phase !== "playing") {
+      return undefined;
+    }
+    return this.unanswered ? "server" : performance.now() - (this.arrived ?? Infinity) > PATIENCE ? "process" : undefined;
+  }
+
+  /** The server does not answer for the time being, or answers again. */
+  silent(silent: boolean): void {
+    this.unanswered = silent;
+    this.hear();
+    this.changed();
   }
 
   /** Begins a run of the program as it is now; it stands at its first instant, unless it keeps pace with the clock. */
@@ -78,6 +99,7 @@ export class Session {
     this.recording = new Recording(running.signals.map((signal) => signal.name));
     this.phase = "playing";
     this.passed = performance.now();
+    this.arrived = undefined;
     this.changed();
   }
 
@@ -89,6 +111,7 @@ export class Session {
     this.looked = undefined;
     this.phase = "playing";
     this.passed = performance.now();
+    this.arrived = this.passed;
     this.changed();
     await this.ask(() => this.engine.request("play", { session: this.session, speed }));
   }
@@ -178,6 +201,10 @@ export class Session {
     }
   }
 
+  private hear(): void {
+    this.arrived = this.arrived === undefined ? undefined : performance.now();
+  }
+
   private get session(): SessionId {
     return this.started?.session ?? "";
   }
@@ -202,6 +229,7 @@ export class Session {
       if (frame.to > this.recording.now || this.phase !== "playing" || this.realTime) {
         this.passed = performance.now();
       }
+      this.hear();
       this.standsStill = performance.now() - this.passed > STANDSTILL;
       this.recording.add(frame);
       this.missed = frame.missed ?? {};

@@ -96,3 +96,20 @@ test("in real time a program keeps pace with the clock, and can be stopped, not 
   await screenshot(page, "real-time");
   await page.close();
 });
+
+test("a page whose server does not answer says so, and goes on when it does", async () => {
+  const page = await open();
+  await page.getByLabel("Speed").selectOption("0.1");
+  await page.locator("#ui-run-button").click();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.01);
+  server.kill("SIGSTOP");
+  try {
+    await page.locator("#ui-engine.bad", { hasText: "The server does not answer" }).waitFor();
+    await page.locator("#ui-run-note", { hasText: "because the server does not answer" }).waitFor();
+  } finally {
+    server.kill("SIGCONT");
+  }
+  await page.locator("#ui-engine:not(.bad)", { hasText: "On this machine" }).waitFor();
+  await page.locator("#ui-run-note", { hasText: "because the server does not answer" }).waitFor({ state: "hidden" });
+  await page.close();
+});

@@ -93,6 +93,13 @@ def test_the_page_of_the_server_is_answered(tmp_path: Path) -> None:
         assert page.ask("check", text="x")["params"] == {"text": "x"}
 
 
+def test_a_ping_of_a_page_is_answered(tmp_path: Path) -> None:
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        page.socket.send('{"method": "ping"}')
+        page.wait_for("pong")
+
+
 def test_malformed_messages_are_answered_and_harm_nothing(tmp_path: Path) -> None:
     with Studio(tmp_path) as studio:
         page = studio.open()
