@@ -14,7 +14,7 @@ from functools import partial, wraps
 from itertools import repeat
 from operator import attrgetter, call
 from types import FunctionType, MappingProxyType
-from typing import Any, Final, Generic, TypeAlias, TypeVar, dataclass_transform, overload
+from typing import Any, ClassVar, Final, Generic, TypeAlias, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
 Result = TypeVar("Result")
@@ -62,22 +62,34 @@ class _Shared:
         return f"{type(self).__name__}({shown})"
 
 
-class Slotted(type):
-    """The class of records that are made by the hundred thousand: they have no dictionary, so they take half of the
+class Slotted:
+    """The base of records that are made by the hundred thousand: they have no dictionary, so they take half of the
     memory, and a field is read in a third of the time. Nothing can be computed ``lazily`` in them.
 
-    All bases with fields are ``Slotted``, too.
+    A class cannot be given slots, so ``node`` and ``record`` make it once more. A metaclass could make it with them at
+    once, but then every ``isinstance`` and every pattern with such a class takes some four times as long.
     """
 
-    def __new__(mcs, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> Slotted:
-        """A class with a slot for each field that it adds."""
-        inherited = {field for base in bases for field in field_names_of(base)}
-        fields = _declared_in(namespace.get("__annotations__", {}))
-        defaults = {key: value for base in bases for key, value in getattr(base, "__record_defaults__", {}).items()}
-        # A class cannot have an attribute with the name of a slot.
-        defaults |= {field: namespace.pop(field) for field in fields if field in namespace}
-        slots = tuple(field for field in fields if field not in inherited)
-        return super().__new__(mcs, name, bases, {**namespace, "__slots__": slots, "__record_defaults__": defaults})
+    __slots__ = ()
+    __record_defaults__: ClassVar[Mapping[str, Any]] = EMPTY
+
+
+def _with_slots(cls: Any) -> Any:
+    """The same class with a slot for each field that it adds. TypeError if a base has a dictionary."""
+    namespace = {key: value for key, value in vars(cls).items() if key not in {"__dict__", "__weakref__"}}
+    fields = _declared_in(namespace.get("__annotations__", {}))
+    # A class cannot have an attribute with the name of a slot.
+    defaults = {**cls.__record_defaults__, **{field: namespace.pop(field) for field in fields if field in namespace}}
+    inherited = field_names_of(cls)
+    namespace |= {
+        "__qualname__": cls.__qualname__,
+        "__slots__": tuple([field for field in fields if field not in inherited]),
+        "__record_defaults__": defaults,
+    }
+    made = type(cls)(cls.__name__, cls.__bases__, namespace)
+    if made.__dictoffset__:
+        raise TypeError(f"a base of {cls.__name__} is no record, so it has a dictionary")
+    return made
 
 
 def field_names_of(kind: type) -> tuple[str, ...]:
@@ -115,7 +127,7 @@ _OFTEN = 100
 def _keep(values: dict[str, Any]) -> None:
     self = values.pop("self")
     kind = type(self)
-    if isinstance(kind, Slotted):
+    if isinstance(self, Slotted):
         _take_all(map(object.__setattr__, repeat(self), values, values.values()))
     else:
         self.__dict__.update(values)
@@ -141,9 +153,9 @@ def _constructor(cls: type, positional: tuple[str, ...], by_name: tuple[str, ...
     As in a dataclass, ``__post_init__`` is called if there is one. The instructions of ``_construct`` do not depend on
     its parameters, so nothing has to be compiled.
     """
-    defaults: dict[str, Any]
-    if isinstance(cls, Slotted):
-        defaults = cls.__record_defaults__  # type: ignore[attr-defined]
+    defaults: Mapping[str, Any]
+    if issubclass(cls, Slotted):
+        defaults = cls.__record_defaults__
     else:
         defaults = {name: getattr(cls, name) for name in positional + by_name if hasattr(cls, name)}
     optional = tuple(name for name in positional if name in defaults)
@@ -173,7 +185,7 @@ def _compile_constructor(cls: Any) -> None:
     parameters = ", ".join([*positional, *(["*", *names[len(positional) :]] if len(names) > len(positional) else [])])
     completed = "    self.__post_init__()\n" if hasattr(cls, "__post_init__") else ""
     scope: dict[str, Any] = {}
-    if isinstance(cls, Slotted):
+    if issubclass(cls, Slotted):
         scope = {f"{kept}{name}": getattr(cls, name).__set__ for name in names[1:]}
         stores = "".join([f"    {kept}{name}(self, {name})\n" for name in names[1:]])
     else:
@@ -218,7 +230,9 @@ def _no_values(_: object) -> tuple[()]:
     return ()
 
 
-def _prepare(cls: Any, kw_only: bool) -> None:
+def _prepared(cls: Any, kw_only: bool) -> Any:
+    if issubclass(cls, Slotted):
+        cls = _with_slots(cls)
     inherited = field_names_of(cls)
     own = tuple(name for name in _declared_in(cls.__annotations__) if name not in inherited)
     names = inherited + own
@@ -232,12 +246,13 @@ def _prepare(cls: Any, kw_only: bool) -> None:
         cls.__init__ = _constructor(cls, positional, by_name)
         if names:
             _counts[cls] = 0
-    if isinstance(cls, Slotted):
-        cls.__record_stores__ = tuple([getattr(cls, name).__set__ for name in names])  # type: ignore[attr-defined]
-        cls.__reduce__ = _stored  # type: ignore[assignment]
+    if issubclass(cls, Slotted):
+        cls.__record_stores__ = tuple([getattr(cls, name).__set__ for name in names])
+        cls.__reduce__ = _stored
     for method in ("__setattr__", "__delattr__", "__repr__"):
         if getattr(cls, method) is getattr(object, method):
             setattr(cls, method, getattr(_Shared, method))
+    return cls
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, kw_only_default=True)
@@ -247,8 +262,8 @@ def node(cls: type[T]) -> type[T]:
     Annotations must be strings (``from __future__ import annotations``). A call with missing, unknown or too many
     fields raises TypeError.
     """
-    _prepare(cls, kw_only=True)
-    return cls
+    prepared: type[T] = _prepared(cls, kw_only=True)
+    return prepared
 
 
 @overload
@@ -268,10 +283,10 @@ def record(
     """
     if cls is None:
         return partial(record, kw_only=kw_only, eq=eq, order=order)
-    _prepare(cls, kw_only)
+    prepared: type[T] = _prepared(cls, kw_only)
     if eq:
-        _compare_by_value(cls, order)
-    return cls
+        _compare_by_value(prepared, order)
+    return prepared
 
 
 def _compare_by_value(cls: Any, order: bool) -> None:
@@ -279,8 +294,8 @@ def _compare_by_value(cls: Any, order: bool) -> None:
     compared = [name for name in cls.__record_fields__ if name not in uncompared]
     cls.__record_values__ = attrgetter(*compared) if compared else staticmethod(_no_values)
     cls.__eq__ = _equal
-    if isinstance(cls, Slotted):
-        cls.__hash__ = _hash_of_slots  # type: ignore[method-assign,assignment]
+    if issubclass(cls, Slotted):
+        cls.__hash__ = _hash_of_slots
     else:
         cls.__record_hash__ = None
         cls.__hash__ = _hash

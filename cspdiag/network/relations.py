@@ -19,7 +19,7 @@ from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, elem
 
 
 @record
-class Access(metaclass=Slotted):
+class Access(Slotted):
     """One use of a channel as the diagram shows it: by an instance, or by the process itself (then ``instance`` is
     empty).
 

@@ -71,14 +71,14 @@ class PortShape:
 
 
 @record
-class OwnPort(metaclass=Slotted):
+class OwnPort(Slotted):
     """An attachment to a port of the enclosing process."""
 
     key: Key
 
 
 @record
-class OwnChannel(metaclass=Slotted):
+class OwnChannel(Slotted):
     """An attachment to a channel or variable of the enclosing process."""
 
     key: Key
@@ -105,7 +105,7 @@ AttachmentShape: TypeAlias = OwnPort | OwnChannel | Default | Discarded | Unreso
 
 
 @record
-class Attached(metaclass=Slotted):
+class Attached(Slotted):
     """What a port of an instance is attached to, and where in the text."""
 
     target: AttachmentShape
@@ -113,7 +113,7 @@ class Attached(metaclass=Slotted):
 
 
 @node
-class InstanceShape(metaclass=Slotted):
+class InstanceShape(Slotted):
     """An instance inside a process: its shape, its arguments and what its ports are attached to."""
 
     name: str

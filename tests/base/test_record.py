@@ -48,7 +48,7 @@ class Nothing:
 
 
 @record
-class Corner(metaclass=Slotted):
+class Corner(Slotted):
     uncompared: ClassVar[frozenset[str]] = frozenset({"drawn"})
 
     x: int
@@ -65,7 +65,7 @@ class Bend(Corner):
 
 
 @node
-class Line(metaclass=Slotted):
+class Line(Slotted):
     start: Corner
     dashed: bool = False
 
@@ -465,3 +465,19 @@ def test_results_are_kept_for_the_same_record_not_for_an_equal_one() -> None:
     assert name_of(third) == "third"
     name_of(one)
     assert len(asked) == 4  # Two are kept.
+
+
+def test_a_slotted_record_has_no_base_with_a_dictionary() -> None:
+    class Between(Corner):
+        """Not a record, so it is not made with slots."""
+
+    with pytest.raises(TypeError, match="a base of Last is no record"):
+
+        @record
+        class Last(Between):
+            z: int
+
+
+def test_classes_of_slotted_records_are_compared_quickly() -> None:
+    """``isinstance`` looks up ``__instancecheck__`` where the class is not one of ``type`` itself."""
+    assert {type(kind) for kind in (Corner, Bend, Line)} == {type}

@@ -52,7 +52,7 @@ SINGLE_STEPS = Computation | Communication | WaitStep
 
 
 @node
-class BaseInstruction(metaclass=Slotted):
+class BaseInstruction(Slotted):
     """An instruction, with its place in the text."""
 
     span: Span

@@ -223,7 +223,7 @@ Item: TypeAlias = Import | Definition | Assertion
 
 
 @node
-class Comment(metaclass=Slotted):
+class Comment(Slotted):
     """A comment that is not a doc comment, with its markers."""
 
     span: Span

@@ -9,7 +9,7 @@ from cspdiag.base.record import Slotted, node
 
 
 @node
-class Node(metaclass=Slotted):
+class Node(Slotted):
     """A node of the syntax tree, which has a place in the source text."""
 
     span: Span
