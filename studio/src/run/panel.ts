@@ -11,6 +11,7 @@ import { Plant, pictureOf } from "./plant";
 import { Plots } from "./plots";
 import type { Session } from "./session";
 import { clock } from "./track";
+import { text } from "./value";
 import * as waits from "./waits";
 
 /** How long a stretch of time the plots show while the run goes on, in nanoseconds. */
@@ -303,8 +304,4 @@ export class RunPanel {
       }),
     );
   }
-}
-
-function text(value: unknown): string {
-  return typeof value === "number" ? String(Number(value.toPrecision(5))) : typeof value === "string" ? value : JSON.stringify(value);
 }

@@ -4,11 +4,17 @@ import uPlot from "uplot";
 import type { Signal } from "../engine/messages";
 import { h } from "../page/dom";
 import type { Recording } from "./recording";
-import type { Track } from "./track";
+import { type Track, literals, short } from "./track";
 
 /** How many colours --series-1 … there are; a plot has no more signals. */
 const COLOURS = 8;
 const HEIGHT = 116;
+/** The width of the vertical axis, and what the last label of the horizontal one needs; the modes have the same margins. */
+const LEFT = 46;
+const RIGHT = 20;
+/** As many names of values as there is room for beside a plot, and characters of each. */
+const MOST_NAMES = 5;
+const MOST_CHARACTERS = 7;
 /** Milliseconds between two paintings while the run goes on: a canvas takes longer than all else on the page. */
 const PACE = 30;
 
@@ -113,9 +119,10 @@ export class Plots {
       return h("li", {}, swatch, h("span", {}, signal.name), values[index]);
     });
     const place = h("div", { class: "canvas" });
-    const names = signals.map((signal) => signal.name).join(", ");
+    const all = signals.map((signal) => signal.name).join(", ");
+    const names = literals(signals[0] ?? {});
     const caption = h("figcaption", {}, h("b", {}, title), h("ul", {}, ...keys));
-    const figure = h("figure", { class: "plot", "aria-label": `Plot of ${names}` }, caption, place);
+    const figure = h("figure", { class: "plot", "aria-label": `Plot of ${all}` }, caption, place);
     this.room.append(figure);
     this.watch.observe(figure);
     const axis = { stroke: colour("--faint"), grid: { stroke: colour("--grid"), width: 1 }, ticks: { show: false } };
@@ -124,13 +131,13 @@ export class Plots {
       {
         width: this.width(),
         height: HEIGHT,
-        padding: [6, 8, 0, 0],
+        padding: [6, RIGHT, 0, 0],
         legend: { show: false },
         cursor: { sync: { key: "run" }, drag: { x: false, y: false }, points: { show: false }, y: false },
-        scales: { x: { time: false }, y: { range: (_, low, high) => around(low, high) } },
+        scales: { x: { time: false }, y: { range: names.length === 0 ? (_, low, high) => around(low, high) : around(0, names.length - 1) } },
         axes: [
-          { ...axis, font, size: 22, gap: 2, values: (_, splits) => splits.map((at) => `${at}`) },
-          { ...axis, font, size: 46, gap: 4, space: 26 },
+          { ...axis, font, size: 22, gap: 2, values: (_, splits) => splits.map(instant) },
+          { ...axis, font, size: LEFT, gap: 4, space: 26, ...(names.length === 0 ? {} : named(names)) },
         ],
         series: [
           {},
@@ -202,6 +209,19 @@ export class Plots {
       });
     }
   }
+}
+
+/** The label of an instant, in seconds. */
+export function instant(at: number): string {
+  return Math.abs(at) < 1e-3 ? short(at) : `${at}`;
+}
+
+/** What is written beside a plot of values that have names. */
+export function named(names: readonly string[]): { splits: () => number[]; values: (plot: unknown, splits: number[]) => string[] } {
+  const each = Math.ceil(names.length / MOST_NAMES);
+  const shown = [...names.keys()].filter((index) => index % each === 0);
+  const cut = (name: string) => (name.length > MOST_CHARACTERS ? `${name.slice(0, MOST_CHARACTERS - 1)}…` : name);
+  return { splits: () => shown, values: (_, splits) => splits.map((index) => cut(names[index] ?? "")) };
 }
 
 /** A range around what there is to see, with some air. */

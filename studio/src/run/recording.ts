@@ -1,7 +1,7 @@
 /** What a run has done so far, so that one can go back to any instant of it. */
 
-import type { Communication, Frame, Mode, Waiting } from "../engine/messages";
-import { Track, lastAt } from "./track";
+import type { Communication, Frame, Mode, Signal, Waiting } from "../engine/messages";
+import { Track, lastAt, literals } from "./track";
 
 /** Events are forgotten, the oldest half of them, beyond this number. */
 const MOST = 100_000;
@@ -65,9 +65,9 @@ export class Recording {
   /** How many communications were not reported. */
   omitted = 0;
 
-  constructor(signals: readonly string[]) {
-    for (const name of signals) {
-      this.tracks.set(name, new Track());
+  constructor(signals: readonly Pick<Signal, "name" | "type" | "literals">[]) {
+    for (const signal of signals) {
+      this.tracks.set(signal.name, new Track(literals(signal)));
     }
   }
 

@@ -84,7 +84,7 @@ export class Session {
       this.fail(problem);
       return false;
     }
-    this.recording = new Recording(this.started.signals.map((signal) => signal.name));
+    this.recording = new Recording(this.started.signals);
     this.phase = "paused";
     this.looked = undefined;
     this.changed();
@@ -96,7 +96,7 @@ export class Session {
     this.started = undefined;
     await this.leave();
     this.started = running;
-    this.recording = new Recording(running.signals.map((signal) => signal.name));
+    this.recording = new Recording(running.signals);
     this.phase = "playing";
     this.passed = performance.now();
     this.arrived = undefined;

@@ -26,9 +26,10 @@ export class Track {
   /** Smallest and largest value of each whole block, so that long runs can be shown at once. */
   private lows: number[] = [];
   private highs: number[] = [];
-  /** Names of values that are not numbers, such as those of an enum; the number is the place in this list. */
-  readonly labels: string[] = [];
   length = 0;
+
+  /** `labels` are the names of values that are not numbers, such as those of an enum; the number is the place in this list. */
+  constructor(readonly labels: string[] = []) {}
 
   push(t: readonly number[], v: readonly Value[]): void {
     for (let i = 0; i < t.length; i++) {
@@ -140,6 +141,11 @@ export class Track {
     }
     return best;
   }
+}
+
+/** The names of the values of a signal, in the order of their numbers; of one that is a number there are none. */
+export function literals(signal: { type?: string; literals?: readonly string[] | null }): string[] {
+  return signal.type === "bool" ? ["false", "true"] : [...(signal.literals ?? [])];
 }
 
 /** A number with as many digits as one reads at a glance. */

@@ -3,6 +3,8 @@ import { test } from "node:test";
 import { Recording } from "../../src/run/recording";
 import { Track, short } from "../../src/run/track";
 
+const FRAME = { session: "1", from: 0, to: 100, signals: {} };
+
 test("a track holds each value until the next", () => {
   const track = new Track();
   track.push([10, 20, 30], [1, null, 3]);
@@ -14,6 +16,13 @@ test("names and truth values are shown as they are", () => {
   track.push([0, 1, 2], ["idle", "moving", "idle"]);
   assert.deepEqual([0, 1, 2].map((at) => track.textAt(at)), ["idle", "moving", "idle"]);
   assert.equal(track.textAt(-1), "–");
+});
+
+test("names have the order of their type, whatever comes first", () => {
+  const recording = new Recording([{ name: "on", type: "bool" }, { name: "state", type: "State", literals: ["idle", "moving"] }]);
+  recording.add({ ...FRAME, signals: { on: { t: [0, 1], v: [true, false] }, state: { t: [0], v: ["moving"] } } });
+  assert.deepEqual([0, 1].map((at) => recording.tracks.get("on")?.textAt(at)), ["true", "false"]);
+  assert.equal(recording.tracks.get("state")?.at(0), 1);
 });
 
 test("no peak is lost, however long the run", () => {
@@ -43,8 +52,6 @@ test("of more than a million values the older half is forgotten, and the rest is
   assert.equal(Math.max(...track.columns(count - 100_000, count, 10).map((value) => value ?? 0)), count - 1);
 });
 
-const FRAME = { session: "1", from: 0, to: 100, signals: {} };
-
 test("a mode ends with its process, unless the next one has begun", () => {
   const recording = new Recording([]);
   const mode = (t: number, path: string, name: string | null) => ({ t, group: "A", path, mode: name });
@@ -54,7 +61,7 @@ test("a mode ends with its process, unless the next one has begun", () => {
 });
 
 test("one can go back to what ran, waited and communicated", () => {
-  const recording = new Recording(["x"]);
+  const recording = new Recording([{ name: "x", type: "double" }]);
   recording.add({
     ...FRAME,
     signals: { x: { t: [0, 50], v: [1, 2] } },

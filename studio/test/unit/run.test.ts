@@ -6,7 +6,8 @@ import { scenes } from "../../src/proofs/film";
 import { axes } from "../../src/run/hand";
 import { bounds, duration } from "../../src/run/parameters";
 import { colourOf, formula, pictureOf } from "../../src/run/plant";
-import { around, groups } from "../../src/run/plots";
+import { around, groups, instant, named } from "../../src/run/plots";
+import { text } from "../../src/run/value";
 import { sentence } from "../../src/run/waits";
 
 const signal = (name: string, type: string, hand = true) => ({ name, type, direction: "in", hand });
@@ -49,6 +50,22 @@ test("a plot has air, and a range without values", () => {
   assert.deepEqual(around(null, null), [-1, 1]);
   assert.deepEqual(around(0, 100), [-8, 108]);
   assert.deepEqual(around(0, 0), [-0.5, 0.5]);
+});
+
+test("an axis of names shows as many as there is room for", () => {
+  const axis = (names: string[]) => named(names).values(undefined, named(names).splits());
+  assert.deepEqual(axis(["false", "true"]), ["false", "true"]);
+  assert.deepEqual(axis(["a", "b", "c", "emergency", "e", "f"]), ["a", "c", "e"]);
+  assert.deepEqual(axis(["emergency"]), ["emerge…"]);
+});
+
+test("instants are short", () => {
+  assert.deepEqual([0, 0.07, 12.5, 1.25e-6].map(instant), ["0", "0.07", "12.5", "1.25e-6"]);
+});
+
+test("values are written as the language builds them", () => {
+  const value = { x: 0.1 + 0.2, on: true, list: [1, { y: "idle" }], none: null };
+  assert.equal(text(value), "(x = 0.3, on = true, list = [1, (y = idle)], none = –)");
 });
 
 test("a slider goes around the value of the text", () => {
