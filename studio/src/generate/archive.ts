@@ -1,46 +1,26 @@
-/** Files as a tar archive (POSIX ustar), which every system can unpack. */
+/** Generated files as an archive, which every system can unpack. */
 
-const BLOCK = 512;
+import { strToU8, zipSync } from "fflate";
 
-/** Name and prefix of a path: at most 100 and 155 bytes. Raises an Error for a path that is longer. */
-function split(path: string): [name: string, prefix: string] {
-  if (path.length <= 100) {
-    return [path, ""];
-  }
-  const at = path.indexOf("/", path.length - 101);
-  if (at < 0 || at > 155) {
-    throw new Error(`the path of ${path} is too long for an archive`);
-  }
-  return [path.slice(at + 1), path.slice(0, at)];
+/** The target whose archive is itself what other tools open. */
+const FMU = "fmu";
+
+export interface Archive {
+  name: string;
+  content: Uint8Array<ArrayBuffer>;
+  /** What to do with it, if that needs a word. */
+  advice: string;
 }
 
-function header(path: string, size: number): Uint8Array {
-  const block = new Uint8Array(BLOCK);
-  const put = (text: string, at: number) => block.set(new TextEncoder().encode(text), at);
-  const octal = (value: number, digits: number) => value.toString(8).padStart(digits, "0");
-  const [name, prefix] = split(path);
-  put(name, 0);
-  put(`${octal(0o644, 7)}\0${octal(0, 7)}\0${octal(0, 7)}\0${octal(size, 11)}\0${octal(0, 11)}\0        0`, 100);
-  put("ustar\0" + "00", 257);
-  put(prefix, 345);
-  const sum = block.reduce((all, byte) => all + byte, 0);
-  put(`${octal(sum, 6)}\0 `, 148);
-  return block;
-}
-
-export function archive(files: Readonly<Record<string, string>>): Uint8Array<ArrayBuffer> {
-  const blocks = Object.entries(files).flatMap(([path, text]) => {
-    const content = new TextEncoder().encode(text);
-    const padded = new Uint8Array(Math.ceil(content.length / BLOCK) * BLOCK);
-    padded.set(content);
-    return [header(path, content.length), padded];
-  });
-  const end = new Uint8Array(2 * BLOCK);
-  const whole = new Uint8Array([...blocks, end].reduce((all, block) => all + block.length, 0));
-  let at = 0;
-  for (const block of [...blocks, end]) {
-    whole.set(block, at);
-    at += block.length;
+/** The archive of a program with this name for a target: a folder with the files, or an FMU. */
+export function archive(files: Readonly<Record<string, string>>, program: string, target: string): Archive {
+  const folder = target === FMU ? "" : `${program}-${target}/`;
+  const entries = Object.entries(files).map(([path, text]) => [folder + path, strToU8(text)] as const);
+  const content = zipSync(Object.fromEntries(entries));
+  if (target !== FMU) {
+    return { name: `${program}-${target}.zip`, content, advice: "" };
   }
-  return whole;
+  const name = `${program}.fmu`;
+  const advice = `${name} has the sources. \`fmpy compile ${name}\` adds the binary of a machine, which most tools need; \`cspdiag compile\` makes both at once.`;
+  return { name, content, advice };
 }

@@ -111,8 +111,10 @@ export class Generate {
   }
 
   private save(): void {
-    const address = URL.createObjectURL(new Blob([archive(this.files)], { type: "application/x-tar" }));
-    h("a", { href: address, download: `${this.stem()}-${this.made}.tar` }).click();
+    const { name, content, advice } = archive(this.files, this.stem(), this.made);
+    const address = URL.createObjectURL(new Blob([content], { type: "application/zip" }));
+    h("a", { href: address, download: name }).click();
+    this.say(advice);
     setTimeout(() => URL.revokeObjectURL(address), 10_000);
   }
 }
