@@ -9,6 +9,7 @@ import { Modes } from "./modes";
 import { Parameters } from "./parameters";
 import { Plant, pictureOf } from "./plant";
 import { Plots } from "./plots";
+import { innermost } from "./recording";
 import type { Session } from "./session";
 import { clock } from "./track";
 import { text } from "./value";
@@ -20,6 +21,8 @@ const WINDOW = 10e9;
 const FLASH = 100e6;
 const MOST_SHOWN = 8;
 const REAL_TIME = "real time";
+const WATCHES = "Another page controls the program: take control first";
+const PACED = "In real time a program can be stopped, not paused";
 const STALLED = {
   server: "The run stands still on this page, because the server does not answer.",
   process:
@@ -201,6 +204,10 @@ export class RunPanel {
     const paced = session.realTime && phase === "playing";
     this.run.disabled = phase === "starting" || paced || !this.controls;
     this.step.disabled = (paced || !this.controls) && session.live;
+    const why = !this.controls ? WATCHES : paced ? PACED : undefined;
+    this.run.title = why ?? "F5";
+    this.step.title = this.step.disabled && why !== undefined ? why : "To the next communication: F10";
+    this.stop.title = this.controls ? "" : WATCHES;
     const any = started !== undefined;
     this.back.disabled = !any || session.shown <= 0;
     this.stop.disabled = !any || phase === "ended" || !this.controls;
@@ -264,7 +271,7 @@ export class RunPanel {
       this.note.append(STALLED[stalled]);
     } else if (standsStill) {
       this.note.classList.add("bad");
-      const working = session.recording.runningAt(session.recording.now).join(", ");
+      const working = innermost(session.recording.runningAt(session.recording.now)).join(", ");
       const who = working === "" ? "" : ` At work: ${working}.`;
       this.note.append(`Simulated time stands still at ${clock(session.recording.now)}: the program communicates or computes without end in this instant.${who} Prove shows a run without end.`);
     } else if (stale) {

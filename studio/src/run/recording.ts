@@ -40,6 +40,11 @@ export class Log<T> {
   }
 }
 
+/** Of processes by their paths those that contain no other one. */
+export function innermost(paths: readonly string[]): string[] {
+  return paths.filter((path) => !paths.some((other) => other.startsWith(`${path}.`)));
+}
+
 /** A stretch of time in which a process was in a mode. */
 export interface Span {
   from: number;

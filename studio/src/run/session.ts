@@ -119,6 +119,7 @@ export class Session {
   async pause(): Promise<void> {
     if (this.phase === "playing" && !this.realTime) {
       this.phase = "paused";
+      this.standsStill = false;
       this.changed();
       await this.ask(() => this.engine.request("pause", { session: this.session }));
     }

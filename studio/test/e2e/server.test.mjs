@@ -68,6 +68,7 @@ test("of two pages one controls the program, and the other can take control", as
   const second = await open();
   await second.getByText("Another page controls the program.").waitFor();
   await second.locator("#ui-run-button:disabled").waitFor();
+  assert.match(await second.locator("#ui-run-button").getAttribute("title"), /Another page controls.*take control/);
   await first.locator("#ui-run-button").click();
   for (const page of [first, second]) {
     await page.locator("#ui-plots .plot").first().waitFor();

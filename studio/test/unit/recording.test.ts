@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Recording } from "../../src/run/recording";
+import { Recording, innermost } from "../../src/run/recording";
 import { Track, short } from "../../src/run/track";
 
 const FRAME = { session: "1", from: 0, to: 100, signals: {} };
@@ -80,6 +80,10 @@ test("one can go back to what ran, waited and communicated", () => {
   assert.equal(recording.after(60), undefined);
   assert.equal(recording.modeAt("A", 49), "one");
   assert.deepEqual(recording.spans("A", 20, 80), [{ from: 20, to: 50, mode: "one" }, { from: 50, to: 80, mode: "two" }]);
+});
+
+test("of processes at work those are named that contain no other one", () => {
+  assert.deepEqual(innermost(["Chatter", "Chatter.ping", "Chatter.pong", "Chatter.ping2"]), ["Chatter.ping", "Chatter.pong", "Chatter.ping2"]);
 });
 
 test("numbers are short", () => {

@@ -39,6 +39,19 @@ test("a run of which nothing arrives is said to be stalled, by its process or by
   assert.equal(session.stalled, undefined);
 });
 
+test("time stands still as long as the run plays", async () => {
+  const { clock, session, frame } = made();
+  await session.start({ files: {}, main: "" }, "", "", false);
+  await session.play(0);
+  clock.now = 2500;
+  frame(0);
+  assert.equal(session.standsStill, true);
+  await session.pause();
+  assert.equal(session.standsStill, false);
+  frame(0);
+  assert.equal(session.standsStill, false);
+});
+
 test("a run of another page, which may have paused it, is not said to be stalled", async () => {
   const { clock, session } = made();
   await session.follow(STARTED);
