@@ -15,16 +15,46 @@ export function brief(title: string): { title: string; tooltip?: string } {
   return { title: `${words.slice(0, end > LONGEST / 2 ? end : undefined)}…`, tooltip: title };
 }
 
-/** How a run has ended, or why there was none: the first line of what it printed, without what the lens is at, the
- * `folder` of the program included. `time` is the setting for how long it runs. */
-export function outcome(output: string, environment: string, time: string, folder: string): string {
-  const printed = output.split("\n").find((each) => each.trim() !== "") ?? "ended without a word";
-  const line = printed.replace(/^cspdiag: /, "").replaceAll(folder.endsWith(sep) ? folder : folder + sep, "");
-  if ([`\`${time}\` is not a time`, `a run cannot last ${time}`].some((each) => line.includes(each))) {
-    return `The setting cspdiag.run.for: ${line}`;
+/** What a command for a run printed to standard error, and the signal that ended it, if one did. */
+export interface Printed {
+  errors: string;
+  signal: string | null;
+}
+
+/** How a run has ended, or why there was none, without what the lens is at, the `folder` of the program included.
+ * `time` is the setting for how long it runs. */
+export function outcome({ errors, signal }: Printed, environment: string, time: string, folder: string): string {
+  const lines = errors.split("\n").map((line) => line.trimEnd());
+  const ending = endingOf(lines, environment);
+  if (ending !== undefined) {
+    return ending;
   }
-  const start = line.indexOf(` in ${environment}: `);
-  return /^\w+$/.test(line.slice(0, Math.max(start, 0))) ? line.slice(start + ` in ${environment}: `.length) : line;
+  if (signal !== null) {
+    return `ended by ${signal}`;
+  }
+  const line = reasonIn(lines).replaceAll(folder.endsWith(sep) ? folder : folder + sep, "");
+  const isTime = [`\`${time}\` is not a time`, `a run cannot last ${time}`].some((each) => line.includes(each));
+  return isTime ? `The setting cspdiag.run.for: ${line}` : line;
+}
+
+/** How a run ended, as its summary says, which comes last; undefined if there was none. The report of a deadlock, before
+ * it, begins with the same words and says more. */
+function endingOf(lines: readonly string[], environment: string): string | undefined {
+  const found = lines.map((line) => /^\w+ in (\w+): (.+)$/.exec(line)).findLast((each) => each?.[1] === environment);
+  const ending = found?.[2];
+  return lines.find((line) => ending !== undefined && line.startsWith(`${ending}: `)) ?? ending;
+}
+
+/** Why there was no run: the error that ended the command, or the first one in the program, whatever was warned of or
+ * printed before. */
+function reasonIn(lines: readonly string[]): string {
+  const error = lines.find((line) => line.startsWith("error["));
+  return lastComplaint(lines) ?? error ?? lines.find((line) => line !== "") ?? "ended without a word";
+}
+
+/** The last thing that the command could not do, such as writing a figure. */
+export function lastComplaint(lines: readonly string[]): string | undefined {
+  return lines.findLast((line) => line.startsWith("cspdiag: "))?.replace(/^cspdiag: /, "");
 }
 
 /** What a run of a program said. */
@@ -33,6 +63,9 @@ export interface Result {
   program: string;
   outcome: string;
 }
+
+/** What is said of a run that has not ended. */
+export const RUNNING = "running…";
 
 /** The title of the lens of a run; `now` is the fingerprint of the program as it is now. */
 export function titleOf({ program, outcome }: Result, now: unknown): string {

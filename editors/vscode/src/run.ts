@@ -5,8 +5,9 @@ import { existsSync } from "node:fs";
 import * as path from "node:path";
 import * as vscode from "vscode";
 import type { Figures } from "./figures";
-import type { Result } from "./lenses";
-import { brief, outcome, titleOf } from "./lenses";
+import type { Printed, Result } from "./lenses";
+import { brief, lastComplaint, outcome, RUNNING, titleOf } from "./lenses";
+import { Newest } from "./newest";
 import { reasonOf } from "./reason";
 
 /** The cspdiag that runs programs, and what its server knows of them. */
@@ -21,15 +22,17 @@ interface Program {
   fingerprint: string;
 }
 
-/** How a run ended: its exit code (null if it was stopped), and what it printed. */
-interface Ended {
-  status: number | null;
+/** How a run ended: whether it was stopped here, and what it printed, of which the errors are a part. */
+interface Ended extends Printed {
+  stopped: boolean;
   output: string;
 }
 
 export class Runs implements vscode.Disposable {
   /** For each document, what the last run of each environment said. */
   private readonly results = new Map<string, Map<string, Result>>();
+  /** By document and environment. */
+  private readonly underWay = new Newest();
   private readonly changed = new vscode.EventEmitter<void>();
   /** Lenses have other titles. */
   readonly onDidChange = this.changed.event;
@@ -40,6 +43,7 @@ export class Runs implements vscode.Disposable {
   ) {}
 
   dispose(): void {
+    this.underWay.endAll();
     this.changed.dispose();
   }
 
@@ -59,8 +63,13 @@ export class Runs implements vscode.Disposable {
     });
   }
 
-  /** Saves the files of a program and runs it; with `plot` a figure is shown beside it. */
-  async run(cspdiag: Cspdiag, uri: vscode.Uri, environment: string, plot: boolean): Promise<void> {
+  /** Saves the files of a program and runs it; with `plot` a figure is shown beside it. It takes the place of an earlier
+   * run of the environment that has not ended. */
+  async run(cspdiag: Cspdiag, given: vscode.Uri, environment: string, plot: boolean): Promise<void> {
+    const uri = given.scheme === "untitled" ? await saveAs(given) : given;
+    if (uri === undefined) {
+      return;
+    }
     const unsaved = await save((await cspdiag.program(uri))?.files ?? []);
     const program = await cspdiag.program(uri);
     if (unsaved !== undefined || program === null) {
@@ -78,12 +87,23 @@ export class Runs implements vscode.Disposable {
     if (figure !== undefined) {
       args.push("--plot", figure);
     }
+    const key = `${uri.toString()} ${environment}`;
+    const begun = this.underWay.begin(key);
+    this.keep(uri, environment, { program: program.fingerprint, outcome: RUNNING });
     const ended = await vscode.window.withProgress(
       { location: vscode.ProgressLocation.Notification, title: `Running ${environment}`, cancellable: true },
-      (_, token) => execute(cspdiag.command, args, folder, token),
+      (_, token) => {
+        token.onCancellationRequested(() => {
+          begun.abort();
+        });
+        return execute(cspdiag.command, args, folder, begun.signal);
+      },
     );
     this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
-    const said = ended.status === null ? "stopped" : outcome(ended.output, environment, time, folder);
+    if (!this.underWay.end(key, begun)) {
+      return;
+    }
+    const said = ended.stopped ? "stopped" : outcome(ended, environment, time, folder);
     this.keep(uri, environment, { program: program.fingerprint, outcome: said });
     if (figure === undefined) {
       return;
@@ -92,8 +112,8 @@ export class Runs implements vscode.Disposable {
       // Also of a run that failed: it shows how it came to that.
       const beside = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
       await vscode.commands.executeCommand("vscode.open", vscode.Uri.file(figure), beside);
-    } else if (ended.status !== null) {
-      await this.without(environment, said);
+    } else if (!ended.stopped) {
+      await this.without(environment, lastComplaint(ended.errors.split("\n")) ?? said);
     }
   }
 
@@ -114,29 +134,42 @@ export class Runs implements vscode.Disposable {
   }
 }
 
+/** Saves a text that is in no file yet, and shows the file; undefined if its user has named none. */
+async function saveAs(uri: vscode.Uri): Promise<vscode.Uri | undefined> {
+  const saved = await vscode.workspace.save(uri);
+  if (saved !== undefined) {
+    await vscode.window.showTextDocument(saved);
+  }
+  return saved;
+}
+
 /** Saves those of some files that have changed in the editor; the first one that could not be saved, if any. */
 async function save(files: readonly string[]): Promise<vscode.Uri | undefined> {
+  const named = new Set(files.map((file) => vscode.Uri.parse(file).toString()));
   for (const document of vscode.workspace.textDocuments) {
-    if (document.isDirty && files.includes(document.uri.toString()) && !(await document.save())) {
+    if (document.isDirty && named.has(document.uri.toString()) && !(await document.save())) {
       return document.uri;
     }
   }
   return undefined;
 }
 
-function execute(command: string, args: string[], cwd: string, token: vscode.CancellationToken): Promise<Ended> {
+function execute(command: string, args: string[], cwd: string, stop: AbortSignal): Promise<Ended> {
   return new Promise((resolve) => {
     const child = spawn(command, args, { cwd, stdio: ["ignore", "pipe", "pipe"] });
-    let output = "";
-    const collect = (data: Buffer) => (output += data.toString());
-    child.stdout.on("data", collect);
-    child.stderr.on("data", collect);
-    token.onCancellationRequested(() => child.kill("SIGINT"));
-    child.on("error", (problem) => {
-      resolve({ status: 1, output: `cspdiag could not be started: ${reasonOf(problem)}` });
+    let [output, errors] = ["", ""];
+    child.stdout.setEncoding("utf8").on("data", (text: string) => (output += text));
+    child.stderr.setEncoding("utf8").on("data", (text: string) => {
+      output += text;
+      errors += text;
     });
-    child.on("close", (status) => {
-      resolve({ status: token.isCancellationRequested ? null : status, output });
+    stop.addEventListener("abort", () => child.kill("SIGINT"));
+    child.on("error", (problem) => {
+      const said = `cspdiag could not be started: ${reasonOf(problem)}`;
+      resolve({ stopped: false, output: said, errors: said, signal: null });
+    });
+    child.on("close", (_, signal) => {
+      resolve({ stopped: stop.aborted, output, errors, signal });
     });
   });
 }

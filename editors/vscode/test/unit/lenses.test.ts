@@ -1,6 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { brief, outcome, titleOf } from "../../src/lenses";
+import { brief, lastComplaint, outcome, titleOf } from "../../src/lenses";
+
+const FOLDER = "/home/me/my kiln";
+
+function said(errors: string, environment: string, time: string): string {
+  return outcome({ errors, signal: null }, environment, time, FOLDER);
+}
 
 test("a long title ends at a word, and is whole as the tooltip", () => {
   const title = "Refuted: `Main` can deadlock: after 2 steps, a process waits for something that never happens";
@@ -12,22 +18,35 @@ test("a long title ends at a word, and is whole as the tooltip", () => {
 });
 
 test("the outcome of a run does not name what the lens is at", () => {
-  assert.equal(outcome("\nDiv in Fault: ended unsuccessfully at 0 s\n  more\n", "Fault", "20s", "/home/me/my kiln"), "ended unsuccessfully at 0 s");
-  assert.equal(outcome("deadlock at 0 s: nothing happens\n", "Fault", "20s", "/home/me/my kiln"), "deadlock at 0 s: nothing happens");
-  assert.equal(outcome("error[E0204]: there is no value `x in Fault: y`\n", "Fault", "20s", "/home/me/my kiln"), "error[E0204]: there is no value `x in Fault: y`");
-  assert.equal(outcome("", "Fault", "20s", "/home/me/my kiln"), "ended without a word");
+  assert.equal(said("\nDiv in Fault: ended unsuccessfully at 0 s\n  more\n", "Fault", "20s"), "ended unsuccessfully at 0 s");
+  assert.equal(said("deadlock at 0 s: nothing happens\n", "Fault", "20s"), "deadlock at 0 s: nothing happens");
+  assert.equal(said("error[E0204]: there is no value `x in Fault: y`\n", "Fault", "20s"), "error[E0204]: there is no value `x in Fault: y`");
+  assert.equal(said("", "Fault", "20s"), "ended without a word");
+});
+
+test("the outcome of a run is how it ended, whatever was printed before", () => {
+  const warned = "warning[W0616]: `stop` comes when it becomes true\n --> crane.csp:3:4\n\n";
+  assert.equal(said(`${warned}Crane in Yard: reached the time limit at 20 s\n  missed samples: none\n`, "Yard", "20s"), "reached the time limit at 20 s");
+  assert.equal(said(`${warned}error[E0204]: there is no \`x\`\n`, "Yard", "20s"), "error[E0204]: there is no `x`");
+  assert.equal(said(`${warned}cspdiag: Yard has a device in C\n  write --target c\n`, "Yard", "20s"), "Yard has a device in C");
+  const printed = "Crane in Yard: hello\nOther in Hall: hello\nCrane in Yard: ended by itself at 2 s\n";
+  assert.equal(said(printed, "Yard", "20s"), "ended by itself at 2 s");
+  const deadlock = "deadlock at 2 s: 2 processes wait for each other\n  a waits\nCrane in Yard: deadlock at 2 s\n";
+  assert.equal(said(warned + deadlock, "Yard", "20s"), "deadlock at 2 s: 2 processes wait for each other");
+  assert.equal(lastComplaint(["cspdiag: run.png: no space left", "Crane in Yard: ended by itself at 2 s"]), "run.png: no space left");
+  assert.equal(outcome({ errors: warned, signal: "SIGSEGV" }, "Yard", "20s", FOLDER), "ended by SIGSEGV");
 });
 
 test("the outcome of a run begins with the reason, not with folders", () => {
-  const said = outcome("cspdiag: /home/me/my kiln/kiln.csp: no such file\n", "Fault", "20s", "/home/me/my kiln");
-  assert.equal(said, "kiln.csp: no such file");
+  const reason = said("cspdiag: /home/me/my kiln/kiln.csp: no such file\n", "Fault", "20s");
+  assert.equal(reason, "kiln.csp: no such file");
 });
 
 test("a time that is refused is named with its setting", () => {
-  const said = outcome("cspdiag: `abc` is not a time, such as 10 ms\n", "Fault", "abc", "/home/me/my kiln");
-  assert.equal(said, "The setting cspdiag.run.for: `abc` is not a time, such as 10 ms");
-  assert.match(outcome("cspdiag: a run cannot last -3s: write\n", "Fault", "-3s", "/home/me/my kiln"), /^The setting cspdiag.run.for: a run/);
-  assert.equal(outcome("cspdiag: `abc` is not a time\n", "Fault", "20s", "/home/me/my kiln"), "`abc` is not a time");
+  const reason = said("cspdiag: `abc` is not a time, such as 10 ms\n", "Fault", "abc");
+  assert.equal(reason, "The setting cspdiag.run.for: `abc` is not a time, such as 10 ms");
+  assert.match(said("cspdiag: a run cannot last -3s: write\n", "Fault", "-3s"), /^The setting cspdiag.run.for: a run/);
+  assert.equal(said("cspdiag: `abc` is not a time\n", "Fault", "20s"), "`abc` is not a time");
 });
 
 test("the result of a run above a program that was not run says so", () => {
