@@ -7,6 +7,7 @@ from functools import cached_property
 from hashlib import sha256
 
 from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.files.content import digest_of_file
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.draw.elements.facts import Facts
@@ -17,6 +18,7 @@ from cspdiag.model.names.imports import load
 from cspdiag.model.names.resolve import resolve
 from cspdiag.model.program import Program
 from cspdiag.model.remembered import ALWAYS, Checks
+from cspdiag.network.lower.external_bodies import files_of_bodies
 from cspdiag.pipeline import Checked, Reader, check
 from cspdiag.syntax import ast
 from cspdiag.syntax.parse.nesting import raised_recursion_limit
@@ -40,6 +42,10 @@ class View:
         """The trees of its files by name, as far as they were asked for."""
         self.texts: dict[str, str | None] = {}
         """The imported files with their texts, None for those that could not be read."""
+        self.bodies: dict[str, str | None] = {}
+        """The files that it names as bodies, such as FMUs, with a digest of their content, None for those that cannot
+        be read.
+        """
         self._occurrences: dict[str, Occurrences] = {}
         self.answers: dict[int, Proved] = {}
         """What was proved of the assertions of the main file, by the offset at which they begin."""
@@ -52,6 +58,8 @@ class View:
 
     def _tree(self, source: SourceFile, report: Report) -> ast.SourceTree:
         tree = self.trees[source.name] = self._parse(source, report)
+        # Before one is read: should it change meanwhile, it is read again.
+        self.bodies.update({path: digest_of_file(path) for path in files_of_bodies(tree)})
         return tree
 
     @cached_property
@@ -101,8 +109,8 @@ class View:
 
     @cached_property
     def fingerprint(self) -> str:
-        """The same for programs of the same files with the same texts."""
-        return sha256(repr(sorted(self.files.items())).encode()).hexdigest()
+        """The same for programs of the same files with the same texts, and bodies in files with the same content."""
+        return sha256(repr((sorted(self.files.items()), sorted(self.bodies.items()))).encode()).hexdigest()
 
     def occurrences(self, name: str) -> Occurrences:
         """The names in a file of the program."""

@@ -250,11 +250,12 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
 
 @server.feature("cspdiag/program")
 def _program(ls: CspdiagServer, params: Any) -> dict[str, Any] | None:
-    """The files of an open program, by URI, and the fingerprint that its lenses have."""
+    """The files of an open program, by URI, its bodies included, and the fingerprint that its lenses have."""
     view = ls.view(params.textDocument.uri)
     if view is None:
         return None
-    return {"files": [ls.session.documents.uri(name) for name in view.files], "fingerprint": view.fingerprint}
+    names = (*view.files, *(path for path, digest in view.bodies.items() if digest is not None))
+    return {"files": [ls.session.documents.uri(name) for name in names], "fingerprint": view.fingerprint}
 
 
 @server.feature("cspdiag/diagram")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.files.content import digest_of_file
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.editing.view import View
@@ -34,7 +35,9 @@ class Session:
         self.parses = 0
         """How many texts were parsed."""
         self.imports_changed = False
-        """Whether a program has changed whose main file has not, since the editor was last refreshed."""
+        """Whether a program has changed whose main file has not, because of an import or a body, since the editor was
+        last refreshed.
+        """
 
     def view(self, document: Document) -> View:
         """The program of which an open document is the main file, as it is now."""
@@ -43,6 +46,9 @@ class Session:
             return known
         if known is not None and known.main is document.source:
             self.imports_changed = True
+        if known is not None and not _has_same_bodies(known):
+            # What was checked may depend on the description of an FMU.
+            self._checks.pop(document.identity, None)
         self.views += 1
         view = self._views[document.identity] = View(
             document.source, self.documents.read, self._parse, self._checks_of(document)
@@ -82,12 +88,13 @@ class Session:
             self._forget()
 
     def _is_present(self, view: View) -> bool:
-        """Whether the imported files still have the texts that they had, and no other text of a file of the program was
-        parsed meanwhile: its nodes then have places in that text.
+        """Whether the imported files and the bodies still are as they were, and no other text of a file of the program
+        was parsed meanwhile: its nodes then have places in that text.
         """
-        return all(self._text(name) == text for name, text in view.texts.items()) and all(
+        is_same = all(self._text(name) == text for name, text in view.texts.items()) and all(
             name in self._parsed and self._parsed[name].tree is tree for name, tree in view.trees.items()
         )
+        return is_same and _has_same_bodies(view)
 
     def _text(self, name: str) -> str | None:
         try:
@@ -124,3 +131,7 @@ class Session:
     def _imports(self, document: Document, other: str) -> bool:
         view = self._views.get(document.identity)
         return view is not None and any(identity(name) == other for name in view.texts)
+
+
+def _has_same_bodies(view: View) -> bool:
+    return all(digest_of_file(path) == digest for path, digest in view.bodies.items())

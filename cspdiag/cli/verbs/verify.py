@@ -124,11 +124,15 @@ def run(arguments: Namespace) -> int:
     obligations: ProofObligations | None = None
     answers: list[Answer] = []
     if printed is None:
+        from cspdiag.network.lower.external_bodies import files_of_bodies
+
         obligations = _find_obligations(arguments, cache.read)
         found = obligations.checked.report.diagnostics
         if obligations.checked.report.has_errors:
             _write_json(arguments, rendered_diagnostics(found, "json", [], colour=False)[0])
             return refused(found, arguments)
+        for tree in () if obligations.checked.program is None else obligations.checked.program.trees:
+            cache.note(files_of_bodies(tree))
         answers = _answers(obligations, arguments, cache.read)
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
         stdout, stderr = rendered_answers(answers, found, arguments, obligations.nothing)

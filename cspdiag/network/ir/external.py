@@ -34,10 +34,26 @@ def external_calls(owner: ProcessClass | SubmodelClass | Environment) -> tuple[E
     return tuple({call.name: call for call in equations if isinstance(call, ExternalCall)}.values())
 
 
+def files_of_body(body: ExternalBody) -> tuple[str, ...]:
+    """The paths of the files of a body, relative like that of the file that names it: its own, and in C its header. An
+    installed module and a device have none.
+    """
+    match body.language:
+        case "python":
+            file = body.target.rpartition(":")[0]
+            files: tuple[str, ...] = (file,) if file.endswith(".py") else ()
+        case "c":
+            files = body.target, f"{body.target.removesuffix('.c')}.h"
+        case "fmu":
+            files = (body.target.partition(":")[0],)
+        case _:  # A device, or a language that is refused.
+            files = ()
+    return tuple(posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), file)) for file in files)
+
+
 def file_of_fmu(body: ExternalBody) -> str:
     """The path of an FMU, relative like that of the file that names it."""
-    path = body.target.partition(":")[0]
-    return posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), path))
+    return files_of_body(body)[0]
 
 
 def devices_in_c(environment: Environment) -> list[DriverInstance]:

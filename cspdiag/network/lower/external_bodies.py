@@ -14,6 +14,7 @@ from cspdiag.model.program import Program
 from cspdiag.network.checks.drivers.devices import check_device
 from cspdiag.network.diagnostics.external import DriverWithoutBody, MalformedTarget, MixedBody, UnsupportedLanguage
 from cspdiag.network.ir.equations import ExternalBody
+from cspdiag.network.ir.external import files_of_body
 from cspdiag.network.submodels.inline import external_body
 from cspdiag.syntax import ast
 
@@ -55,6 +56,12 @@ def external_bodies(program: Program) -> list[NamedBody]:
                 NamedBody(definition.name.text, external_body(definition.external), parts["file"], parts.get("name"))
             )
     return found
+
+
+def files_of_bodies(tree: ast.SourceTree) -> tuple[str, ...]:
+    """The paths of the files that a file of a program names as bodies of its definitions, each once."""
+    found = (item.external for item in tree.items if isinstance(item, Owner) and item.external is not None)
+    return tuple(dict.fromkeys(path for each in found for path in files_of_body(external_body(each))))
 
 
 def _parts(pattern: re.Pattern[str], target: str) -> re.Match[str] | None:

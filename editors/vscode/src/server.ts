@@ -185,7 +185,7 @@ export class Server implements vscode.Disposable {
             return (await isTrusted("proved")) ? this.proofs.during(assertionAt(given as [string, number]), ask) : undefined;
           },
         },
-        synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.csp") },
+        synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.{csp,py,c,h,fmu}") },
         errorHandler: {
           error: () => ({ action: ErrorAction.Continue, handled: true }),
           closed: () => {

@@ -275,6 +275,17 @@ def test_an_unchanged_program_is_not_proved_again(
     assert cspdiag("verify", refuted, "--no-cache").code == 3
 
 
+def test_a_program_is_proved_again_when_a_body_has_changed(
+    cspdiag: Command, refuted: Path, own_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refuted.write_text(f'{PAGE.refused}submodel Law python "law.py:Law" {{ in a : double out b : double }}\n')
+    first = cspdiag("verify", refuted)
+    monkeypatch.setattr("cspdiag.verify.confirm.Verifier.answer", _never)
+    assert cspdiag("verify", refuted) == first
+    (refuted.parent / "law.py").write_text("class Law: pass")
+    assert cspdiag("verify", refuted).code == 3
+
+
 def _never(*_: object) -> None:
     raise AssertionError("asked again")
 

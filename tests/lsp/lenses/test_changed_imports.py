@@ -1,7 +1,10 @@
-"""Changes of imported files: what the editor shows in the files that import them belongs to the program as it is."""
+"""Changes of imported files and of bodies: what the editor shows in the files that name them belongs to the program as
+it is.
+"""
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +52,57 @@ async def test_the_lens_of_a_run_has_another_fingerprint_after_an_import_has_cha
     assert fingerprint(session, main) != before
 
 
+BODIES = """submodel Loop python "loop.py:Loop" { in a : double out b : double }
+submodel Law c "law.c" { in a : double out b : double }
+submodel Plant fmu "plant.fmu" { in a : double out b : double }
+process Main { composition { wait 1 s } }
+environment Bench for Main { }
+"""
+
+
+DESCRIPTION = """<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Plant" guid="{}" numberOfEventIndicators="0">
+  <CoSimulation modelIdentifier="plant"/>
+  <ModelVariables>
+    <ScalarVariable name="NAME" valueReference="0" causality="input"><Real start="0"/></ScalarVariable>
+    <ScalarVariable name="b" valueReference="1" causality="output" initial="calculated"><Real/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="2"/></Outputs></ModelStructure>
+</fmiModelDescription>
+"""
+
+
+async def test_the_lens_of_a_run_has_another_fingerprint_after_a_body_has_changed(tmp_path: Path) -> None:
+    session, uri = Session(), (tmp_path / "main.csp").as_uri()
+    session.documents.open(uri, BODIES, 1)
+    without = fingerprint(session, uri)
+    for name in ("loop.py", "law.c", "law.h", "plant.fmu"):
+        (tmp_path / name).write_text("before")
+        before = fingerprint(session, uri)
+        (tmp_path / name).write_text("after it")
+        session.imports_changed = False
+        assert fingerprint(session, uri) not in (without, before)
+        assert session.imports_changed
+        (tmp_path / name).write_text("before")
+        assert fingerprint(session, uri) == before
+        (tmp_path / name).unlink()
+    assert fingerprint(session, uri) == without
+
+
+async def test_a_program_is_checked_again_when_the_description_of_an_fmu_changes(tmp_path: Path) -> None:
+    session, uri = Session(), (tmp_path / "main.csp").as_uri()
+    document = session.documents.open(uri, BODIES.split("\n", 2)[2], 1)
+
+    def found(variable: str) -> str:
+        with zipfile.ZipFile(tmp_path / "plant.fmu", "w") as archive:
+            archive.writestr("modelDescription.xml", DESCRIPTION.replace("NAME", variable))
+        return "\n".join(each.message for each in session.diagnostics(document))
+
+    assert found("a") == ""
+    assert "`a`" in found("other")
+    assert found("a") == ""
+
+
 async def test_a_program_says_which_files_it_has(client: Client, tmp_path: Path) -> None:
     (tmp_path / "laws.csp").write_text(LAWS)
     editor = Editor(client, tmp_path)
@@ -57,6 +111,12 @@ async def test_a_program_says_which_files_it_has(client: Client, tmp_path: Path)
         "cspdiag/program", {"textDocument": {"uri": editor.uri("main.csp")}}
     )
     assert set(found.files) == {editor.uri("main.csp"), editor.uri("laws.csp")}
+    (tmp_path / "loop.py").touch()
+    await editor.replace(BODIES)
+    found = await client.protocol.send_request_async(
+        "cspdiag/program", {"textDocument": {"uri": editor.uri("main.csp")}}
+    )
+    assert set(found.files) == {editor.uri("main.csp"), editor.uri("loop.py")}
     await editor.close()
 
 

@@ -14,6 +14,7 @@ from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.diagnostic_formats import show_findings
 from cspdiag.cli.support.failure import described
 from cspdiag.cli.support.terminal import put, say, write_out
+from cspdiag.network.lower.external_bodies import files_of_bodies
 from cspdiag.pipeline import check
 
 INTERVAL = 0.2
@@ -23,7 +24,9 @@ _CLEAR = "\x1b[2J\x1b[3J\x1b[H"
 
 
 def watch(names: Sequence[str], arguments: Namespace) -> int:
-    """Check the files now and after each change of one of them or of a file that they import, until Ctrl-C."""
+    """Check the files now and after each change of one of them or of a file that they import or name as a body, until
+    Ctrl-C.
+    """
     while True:
         seen = _check_once(names, arguments)
         before = stamps(seen)
@@ -49,8 +52,11 @@ def _check_once(names: Sequence[str], arguments: Namespace) -> set[str]:
             put(f"{described(problem)}\n")
             continue
         checked.append(name)
-        for diagnostic in check(source, read, for_findings=True, real=arguments.real).report.diagnostics:
+        program = check(source, read, for_findings=True, real=arguments.real)
+        for diagnostic in program.report.diagnostics:
             found.add(diagnostic)
+        for tree in () if program.readable is None else program.readable.trees:
+            seen.update(files_of_bodies(tree))
     show_findings(found.diagnostics, checked, arguments)
     unread = len(names) - len(checked)
     summary = _summary(found.diagnostics) + (f", {_files(unread)} not checked" if unread else "")

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from cspdiag.base.record import replaced
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody
-from cspdiag.network.ir.external import external_bodies
+from cspdiag.network.ir.external import external_bodies, files_of_body
 from cspdiag.network.ir.network import Environment, Network
 
 
@@ -21,8 +21,8 @@ def c_bodies(network: Network) -> Iterator[ExternalBody]:
 
 def source_paths(body: ExternalBody) -> tuple[str, str]:
     """The paths of the source and the header of a body, relative like the path in the text."""
-    source = posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), body.target))
-    return source, f"{source.removesuffix('.c')}.h"
+    source, header = files_of_body(body)
+    return source, header
 
 
 def external_paths(network: Network) -> tuple[str, ...]:

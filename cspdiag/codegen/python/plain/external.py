@@ -36,7 +36,7 @@ from cspdiag.devices.catalogue import DEVICES, Device
 from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import Type, has_single
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
-from cspdiag.network.ir.external import devices_in_c, external_bodies, file_of_fmu
+from cspdiag.network.ir.external import devices_in_c, external_bodies, file_of_fmu, files_of_body
 from cspdiag.network.ir.network import CoreNetwork, Network, Port
 
 
@@ -192,10 +192,7 @@ def bodies(network: Network) -> tuple[ExternalBody, ...]:
 
 def source_path(body: ExternalBody) -> str | None:
     """The path of the module's file, relative to the file that names it; None for an installed module."""
-    file = body.target.rpartition(":")[0]
-    if body.language != "python" or not file.endswith(".py"):
-        return None
-    return posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), file))
+    return next(iter(files_of_body(body)), None) if body.language == "python" else None
 
 
 def installed_modules(network: Network, modules: ExternalModules) -> list[str]:

@@ -74,6 +74,12 @@ def test_a_change_of_an_imported_file_is_checked_again_until_ctrl_c(tmp_path: Pa
         _wait_for(log, "library.csp")
         library.write_text(GOOD)
         _wait_for(log, "0 errors, 0 warnings; watching 2 files", times=2)
+        library.write_text(f'{GOOD}submodel Plant fmu "plant.fmu" {{ in a : double out b : double }}\n')
+        _wait_for(log, "1 error, 0 warnings; watching 3 files")
+        (tmp_path / "plant.fmu").write_text("not one")
+        _wait_for(log, "1 error, 0 warnings; watching 3 files", times=2)
+        library.write_text(GOOD)
+        _wait_for(log, "0 errors, 0 warnings; watching 2 files", times=3)
         main.unlink()
         _wait_for(log, "0 errors, 0 warnings, 1 file not checked; watching 1 file")
     finally:

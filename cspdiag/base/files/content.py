@@ -1,0 +1,27 @@
+"""Whether files have the content that they had."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+from functools import lru_cache
+
+
+def digest_of_file(path: str) -> str | None:
+    """The same for the same content; None for what is no file that can be read. A file is read again only if its
+    identity, size or time of change is another one.
+    """
+    try:
+        found = os.stat(path)
+        if not stat.S_ISREG(found.st_mode):
+            return None
+        return _digest(path, (found.st_ino, found.st_size, found.st_mtime_ns))
+    except (OSError, ValueError):
+        return None
+
+
+@lru_cache(maxsize=256)
+def _digest(path: str, stamp: tuple[int, int, int]) -> str:
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
