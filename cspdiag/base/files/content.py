@@ -9,7 +9,7 @@ from functools import lru_cache
 
 
 def digest_of_file(path: str) -> str | None:
-    """The same for the same content; None for what is no file that can be read. A file is read again only if its
+    """The same for the same content; None if there is none, or it cannot be read. A file is read again only if its
     identity, size or time of change is another one.
     """
     try:
