@@ -34,15 +34,18 @@ _QUICK = 0.1
 """Seconds of a check from which on it waits for quiet."""
 
 
-class _WithoutRefusals(logging.Filter):
-    """Keeps answers that refuse a request, such as a rename, out of the log: pygls takes them for failures."""
+class _WithoutOrdinary(logging.Filter):
+    """Keeps out of the log what pygls takes for failures: answers that refuse a request, such as a rename, and that the
+    editor no longer wants an answer that it has been given meanwhile.
+    """
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether it is a failure."""
-        return record.exc_info is None or not isinstance(record.exc_info[1], JsonRpcInvalidParams)
+        refuses = record.exc_info is not None and isinstance(record.exc_info[1], JsonRpcInvalidParams)
+        return not refuses and not str(record.msg).startswith("Cancel notification for unknown message id")
 
 
-logging.getLogger("pygls.protocol.json_rpc").addFilter(_WithoutRefusals())
+logging.getLogger("pygls.protocol.json_rpc").addFilter(_WithoutOrdinary())
 
 
 class _Protocol(LanguageServerProtocol):

@@ -257,6 +257,14 @@ async def test_a_refused_request_is_no_failure_in_the_log(caplog: pytest.LogCapt
     assert [record.exc_info[1] for record in caplog.records if record.exc_info] == [problem]
 
 
+async def test_that_an_answer_which_was_given_is_not_wanted_is_no_failure_in_the_log(
+    client: Client, caplog: pytest.LogCaptureFixture
+) -> None:
+    importlib.import_module("cspdiag.lsp.server")
+    pygls.protocol.JsonRPCProtocol._handle_cancel_notification(client.protocol, "46")
+    assert not caplog.records
+
+
 async def test_trees_of_closed_files_are_forgotten(tmp_path: Path) -> None:
     session = Session()
     for number in range(50):
