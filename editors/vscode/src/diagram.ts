@@ -8,7 +8,7 @@ import { exportDiagram } from "./export";
 import { page } from "./html";
 import type { Chosen, FromPage, PagePart, ToPage, Which } from "./messages";
 import type { Diagram, Part, Range } from "./places";
-import { definitionAt, partsAt } from "./places";
+import { definitionAt, partsAt, tellsMore } from "./places";
 import { reasonOf } from "./reason";
 import type { Server } from "./server";
 import { BEING_DRAWN, Status } from "./status";
@@ -41,7 +41,7 @@ export class DiagramView implements vscode.Disposable {
     private readonly context: vscode.ExtensionContext,
     private readonly server: Server,
   ) {
-    const files = vscode.workspace.createFileSystemWatcher("**/*.csp");
+    const files = vscode.workspace.createFileSystemWatcher("**/*.{csp,fmu}");
     const imported = () => {
       this.drawSoon();
     };
@@ -60,6 +60,13 @@ export class DiagramView implements vscode.Disposable {
       vscode.window.onDidChangeActiveTextEditor((editor) => {
         if (editor !== undefined && isProgram(editor.document)) {
           this.show(editor.document);
+        }
+      }),
+      // A text is opened once more when it becomes one in CSP.
+      vscode.workspace.onDidOpenTextDocument((document) => {
+        if (document === vscode.window.activeTextEditor?.document && isProgram(document)) {
+          this.show(document);
+          this.drawSoon();
         }
       }),
       vscode.window.onDidChangeTextEditorSelection(({ textEditor, kind }) => {
@@ -235,7 +242,7 @@ export class DiagramView implements vscode.Disposable {
       this.drawSoon();
     } else if (answer.problem !== undefined) {
       this.say(`There is no diagram: ${answer.problem}.`);
-    } else if (!answer.whole && this.picture !== undefined) {
+    } else if (tellsMore(this.picture, answer, this.process ?? this.atCursor())) {
       this.say("The text has mistakes in its syntax: this is the diagram before them.");
     } else {
       this.take(answer);

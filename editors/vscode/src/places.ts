@@ -41,6 +41,13 @@ export interface Diagram {
   definitions: Definition[];
 }
 
+/** Whether what is `shown`, of a text without mistakes in its syntax, tells more than a picture of a text with some. It
+ * does not if another process is `wanted`, and that could be drawn. */
+export function tellsMore(shown: Diagram | undefined, answer: Diagram, wanted: string | undefined): boolean {
+  const isWanted = answer.name === wanted && answer.name !== shown?.name;
+  return shown?.whole === true && !answer.whole && !isWanted;
+}
+
 /** The elements with the smallest place around a position. */
 export function partsAt(parts: readonly Part[], uri: string, at: Position): Part[] {
   let best: { part: Part; range: Range }[] = [];

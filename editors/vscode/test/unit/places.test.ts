@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Part, Range } from "../../src/places";
-import { definitionAt, partsAt } from "../../src/places";
+import type { Diagram, Part, Range } from "../../src/places";
+import { definitionAt, partsAt, tellsMore } from "../../src/places";
 
 function range(line: number, from: number, to: number, last = line): Range {
   return { start: { line, character: from }, end: { line: last, character: to } };
@@ -41,4 +41,14 @@ test("the definition around the cursor", () => {
   ];
   assert.equal(definitionAt(definitions, { line: 8, character: 0 }), "B");
   assert.equal(definitionAt(definitions, { line: 6, character: 0 }), undefined);
+});
+
+test("a picture of a text with mistakes replaces one that has some, too, or is not of the process that is wanted", () => {
+  const of = (name: string, whole: boolean): Diagram => ({ name, whole, svg: "", parts: [], definitions: [] });
+  assert.ok(tellsMore(of("Keeper", true), of("Keeper", false), "Keeper"));
+  assert.ok(tellsMore(of("Keeper", true), of("Lock", false), "Keeper"));
+  assert.ok(!tellsMore(of("Keeper", true), of("Chamber", false), "Chamber"));
+  assert.ok(!tellsMore(of("Lock", false), of("Chamber", false), undefined));
+  assert.ok(!tellsMore(of("Keeper", true), of("Keeper", true), "Keeper"));
+  assert.ok(!tellsMore(undefined, of("Lock", false), undefined));
 });
