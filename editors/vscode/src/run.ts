@@ -9,6 +9,7 @@ import type { Printed, Result } from "./lenses";
 import { brief, lastComplaint, outcome, RUNNING, titleOf } from "./lenses";
 import { Newest } from "./newest";
 import { reasonOf } from "./reason";
+import { textOf } from "./settings";
 
 /** The cspdiag that runs programs, and what its server knows of them. */
 export interface Cspdiag {
@@ -77,7 +78,7 @@ export class Runs implements vscode.Disposable {
       void vscode.window.showErrorMessage(`${environment} was not run: ${reason}.`);
       return;
     }
-    const time = vscode.workspace.getConfiguration("cspdiag").get("run.for", "20 s").replaceAll(" ", "");
+    const time = textOf(vscode.workspace.getConfiguration("cspdiag", uri).get("run.for")).replaceAll(" ", "");
     const folder = path.dirname(uri.fsPath);
     const args = ["run", uri.fsPath, "--environment", environment, "--color", "never"];
     if (time !== "") {

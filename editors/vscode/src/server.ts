@@ -16,6 +16,7 @@ import { INTERRUPTED, Proofs } from "./proofs";
 import { reasonOf } from "./reason";
 import { Restarts } from "./restarts";
 import type { Cspdiag, Runs } from "./run";
+import { textOf } from "./settings";
 import type { Way } from "./trouble";
 import { Trouble } from "./trouble";
 import { isTrusted, MANAGE_TRUST } from "./trust";
@@ -329,7 +330,7 @@ function advice(problem: Problem, found: Found): string {
 }
 
 function setting(name: string): string {
-  return vscode.workspace.getConfiguration("cspdiag").get(name, "");
+  return textOf(vscode.workspace.getConfiguration("cspdiag").get(name));
 }
 
 /** What is used of the Python extension. */
