@@ -15,6 +15,8 @@ const RIGHT = 20;
 /** As many names of values as there is room for beside a plot, and characters of each. */
 const MOST_NAMES = 5;
 const MOST_CHARACTERS = 7;
+/** Distances of labels that are whole numbers. */
+const WHOLE = Array.from({ length: 16 }, (_, power) => [1, 2, 5].map((digit) => digit * 10 ** power)).flat();
 /** Milliseconds between two paintings while the run goes on: a canvas takes longer than all else on the page. */
 const PACE = 30;
 
@@ -137,7 +139,7 @@ export class Plots {
         scales: { x: { time: false }, y: { range: names.length === 0 ? (_, low, high) => around(low, high) : around(0, names.length - 1) } },
         axes: [
           { ...axis, font, size: 22, gap: 2, values: (_, splits) => splits.map(instant) },
-          { ...axis, font, size: LEFT, gap: 4, space: 26, ...(names.length === 0 ? {} : named(names)) },
+          { ...axis, font, size: LEFT, gap: 4, space: 26, ...ticks(signals[0]?.type ?? "", names) },
         ],
         series: [
           {},
@@ -214,6 +216,11 @@ export class Plots {
 /** The label of an instant, in seconds. */
 export function instant(at: number): string {
   return Math.abs(at) < 1e-3 ? short(at) : `${at}`;
+}
+
+/** What is written beside a plot: names, whole numbers, or what suits the range. */
+export function ticks(type: string, names: readonly string[]): uPlot.Axis {
+  return names.length > 0 ? named(names) : /^u?int/.test(type) ? { incrs: WHOLE } : {};
 }
 
 /** What is written beside a plot of values that have names. */

@@ -6,7 +6,7 @@ import { scenes } from "../../src/proofs/film";
 import { axes } from "../../src/run/hand";
 import { bounds, duration } from "../../src/run/parameters";
 import { colourOf, formula, pictureOf } from "../../src/run/plant";
-import { around, groups, instant, named } from "../../src/run/plots";
+import { around, groups, instant, named, ticks } from "../../src/run/plots";
 import { text } from "../../src/run/value";
 import { sentence } from "../../src/run/waits";
 
@@ -57,6 +57,12 @@ test("an axis of names shows as many as there is room for", () => {
   assert.deepEqual(axis(["false", "true"]), ["false", "true"]);
   assert.deepEqual(axis(["a", "b", "c", "emergency", "e", "f"]), ["a", "c", "e"]);
   assert.deepEqual(axis(["emergency"]), ["emerge…"]);
+});
+
+test("labels of whole numbers are whole", () => {
+  const { incrs } = ticks("int", []);
+  assert.ok(Array.isArray(incrs) && incrs.every(Number.isInteger));
+  assert.deepEqual(ticks("double<V>", []), {});
 });
 
 test("instants are short", () => {
