@@ -77,24 +77,29 @@ def plot(run: Run) -> str:
     """The angle and the voltage of the run as SVG, which draws itself once, like a recorder."""
     end = run.outcome.time / 1e9
     height = (HEIGHT - 2 * TOP - GAP - 12) / 2
-    drawn = [
+    curves, names = zip(
         _panel(run, "angle", "rad", TOP, height, end, (0.0, 0.5)),
         _panel(run, "voltage", "V", TOP + height + GAP, height, end, (0.0, 2.0)),
-    ]
+        strict=True,
+    )
     ticks = "".join(
-        f'<text class="tick" text-anchor="middle" x="{_x(at, end):.1f}" y="{HEIGHT - 4}">{at:g} s</text>'
+        f'<text class="tick" text-anchor="{"end" if at == 2 else "middle"}" x="{_x(at, end):.1f}" '
+        f'y="{HEIGHT - 4}">{at:g} s</text>'
         for at in (0, 0.5, 1, 1.5, 2)
     )
     pressed = f'<text class="tick" text-anchor="end" x="{WIDTH - 8}" y="{TOP + height - 22:.1f}">button pressed</text>'
     return (
         f'<svg class="recorder" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="The angle rises to 0.5 rad in '
-        f'half a second and stays there; the voltage falls from 2 V to 0 V">{"".join(drawn)}{ticks}{pressed}'
+        f'half a second and stays there; the voltage falls from 2 V to 0 V">{"".join(curves)}{ticks}{pressed}'
         f'<svg x="{LEFT}" y="0" width="{WIDTH - LEFT}" height="{HEIGHT - 18}"><g class="cover">'
-        f'<rect width="{WIDTH}" height="{HEIGHT}"/><path d="M0.5 0V{HEIGHT}"/></g></svg></svg>'
+        f'<rect width="{WIDTH}" height="{HEIGHT}"/><path d="M0.5 0V{HEIGHT}"/></g></svg>{"".join(names)}</svg>'
     )
 
 
-def _panel(run: Run, name: str, unit: str, top: float, height: float, end: float, ticks: tuple[float, ...]) -> str:
+def _panel(
+    run: Run, name: str, unit: str, top: float, height: float, end: float, ticks: tuple[float, ...]
+) -> tuple[str, str]:
+    """The curve with its grid, and its name, which stands there from the start."""
     times, values = run.time(name), run[name]
     low, high = float(min(*ticks, *values)), float(max(*ticks, *values))
 
@@ -117,9 +122,9 @@ def _panel(run: Run, name: str, unit: str, top: float, height: float, end: float
         for at in ticks
     )
     return (
-        f'{labels}<path class="curve" d="{"".join(steps)}"/>'
+        f'{labels}<path class="curve" d="{"".join(steps)}"/>',
         f'<text class="name" text-anchor="end" x="{WIDTH - 8}" y="{y(ticks[-1]) - 8:.1f}">'
-        f"{name} <tspan>{unit}</tspan></text>"
+        f"{name} <tspan>{unit}</tspan></text>",
     )
 
 

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
+import cspdiag
 from distribution.site.contents import PICTURES, SECTIONS, Entry
+from distribution.site.front import plot, program
 from distribution.site.links import complaints
 from distribution.site.markdown import Page, converted
 from distribution.site.pictures import dark, light
@@ -29,6 +31,13 @@ def site(tmp_path: Path) -> Site:
 def converted_page(site: Site, source: str, text: str, place: str = "guides/here") -> str:
     page = Page(ROOT / source, place)
     return converted(page, text, site.resolve, site.show)
+
+
+def test_names_and_units_of_the_curves_are_not_covered_while_they_are_drawn() -> None:
+    drawn = plot(cspdiag.parse(program(), "joint.csp").run())
+    cover = drawn.index('class="cover"')
+    assert drawn.index("angle <tspan>rad</tspan>") > cover
+    assert drawn.index("voltage <tspan>V</tspan>") > cover
 
 
 def test_every_page_is_on_the_site_once() -> None:
