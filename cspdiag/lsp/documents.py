@@ -162,7 +162,8 @@ class Documents:
         if document is not None:
             return document.uri
         if not os.path.isabs(name):
-            name = library_file(name.removesuffix(".csp").replace("/", ".")) or name
+            # A library, or what a text that is in no file imports, which is looked for in the present folder.
+            name = library_file(name.removesuffix(".csp").replace("/", ".")) or os.path.abspath(name)
         return uris.from_fs_path(name) or name
 
     def version(self, name: str) -> int | None:

@@ -120,6 +120,19 @@ async def test_a_program_says_which_files_it_has(client: Client, tmp_path: Path)
     await editor.close()
 
 
+async def test_a_text_in_no_file_imports_from_the_present_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "laws.csp").write_text(LAWS)
+    monkeypatch.chdir(tmp_path)
+    session = Session()
+    view = session.view(session.documents.open("untitled:Untitled-1", MAIN, 1))
+    assert [session.documents.uri(name) for name in view.files] == [
+        (tmp_path / "laws.csp").as_uri(),
+        "untitled:Untitled-1",
+    ]
+
+
 async def test_what_is_shown_in_a_file_is_asked_for_again_when_an_import_changes(
     client: Client, tmp_path: Path
 ) -> None:
