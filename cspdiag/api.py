@@ -467,6 +467,7 @@ class LoadedProgram:
         obligations = pipeline.proof_obligations(
             self.source, self._read, process=process, settings=settings, real=self._real
         )
+        obligations.lower()
         if obligations.checked.report.has_errors:
             raise ProgramError(obligations.checked.report.diagnostics)
         verifier = Verifier(obligations, self._read, settings=settings)

@@ -92,6 +92,8 @@ class ProofObligations:
     def network(self, process: str) -> CoreNetwork | None:
         """The network of a process as the outermost one; None if lowering it reports an error."""
         if process not in self.networks:
+            if self._lacks_values(process):
+                return None
             is_specification = process in {question.specification for question in self.questions}
             is_asked = process in {question.process for question in self.questions}
             network = compile_network(
@@ -104,6 +106,29 @@ class ProofObligations:
                 return None
             self.networks[process] = network
         return self.networks[process]
+
+    def lower(self) -> None:
+        """Lower the processes of all questions that are open; the report has what is wrong with them."""
+        for question in self.questions:
+            for name in () if question in self.proved else question.processes:
+                self.network(name)
+
+    def _lacks_values(self, process: str) -> bool:
+        """Whether a process that an assertion names has parameters without a value, which are reported."""
+        from cspdiag.network.lower.program import parameters_without_value
+        from cspdiag.proofs.diagnostics.processes import OpenParameter
+
+        asserted = [each for each in self.questions if each.asserted and process in each.processes]
+        if not asserted or self.checked.program is None or self.checked.analysis is None:
+            return False
+        lacking = parameters_without_value(self.checked.program, self.checked.analysis, process, self.parameters)
+        for parameter in lacking:
+            self.checked.report.add(
+                OpenParameter(
+                    asserted[0].span, process=process, parameter=parameter.name.text, declared=parameter.name.span
+                )
+            )
+        return bool(lacking)
 
 
 @raised_recursion_limit()

@@ -96,14 +96,16 @@ def _answers(request: Mapping[str, object]) -> list[Proved] | str:
         return given_source(name, texts) if name in texts else read_source(name)
 
     obligations = proof_obligations(read(main), read)
-    if obligations.checked.report.has_errors:
+    report = obligations.checked.report
+    if report.has_errors:
         return "the program has errors"
     questions = [each for each in obligations.questions if each.span.start == start and each.asserted]
     for question in questions:
         for name in question.processes:
             obligations.network(name)
-    if obligations.checked.report.has_errors:
-        return "the program has errors"
+    if report.has_errors:
+        # Only now: they belong to these assertions.
+        return next(found.message for found in report.diagnostics if found.severity == "error")
     verifier = Verifier(obligations, read, None)
     try:
         answers = [verifier.answer(question, Limits(TIME_LIMIT, MEMORY_LIMIT)) for question in questions]

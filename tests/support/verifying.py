@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from cspdiag import pipeline
-from cspdiag.base import SourceFile
+from cspdiag.base import Diagnostic, SourceFile
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.counterexamples.table import table
 from cspdiag.proofs.counterexamples.words import waiting_lines
@@ -11,8 +13,16 @@ from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.confirm import Verifier
 
 
+class RefusedError(Exception):
+    """Nothing is proved of the program; ``found`` says why."""
+
+    def __init__(self, found: Sequence[Diagnostic]) -> None:
+        super().__init__(*found)
+        self.found = found
+
+
 def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | None = None) -> list[Answer]:
-    """The answers to the assertions of a program without errors, or to its expected properties."""
+    """The answers to the assertions of a program, or to its expected properties. Raises RefusedError."""
 
     def read(path: str) -> SourceFile:
         if path not in files:
@@ -20,7 +30,10 @@ def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | 
         return SourceFile(name=path, text=files[path])
 
     obligations = pipeline.proof_obligations(read(main), read, process=process)
-    assert not obligations.checked.report.has_errors, obligations.checked.report.diagnostics
+    report = obligations.checked.report
+    obligations.lower()
+    if report.has_errors:
+        raise RefusedError(report.diagnostics)
     verifier = Verifier(obligations, read)
     return [verifier.answer(question, Limits(60.0)) for question in obligations.questions]
 

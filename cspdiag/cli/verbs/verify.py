@@ -173,11 +173,7 @@ def _find_obligations(arguments: Namespace, read: Reader) -> ProofObligations:
             real=arguments.real,
             by_rules=arguments.engine == "cspdiag" and arguments.method in (None, "rules"),
         )
-        for question in obligations.questions:
-            if question in obligations.proved:
-                continue
-            for name in question.processes:
-                obligations.network(name)
+        obligations.lower()
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
     return obligations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from keyword import iskeyword
 
 from cspdiag.base import Report
@@ -65,13 +65,12 @@ def lower(
     own = of_root(overrides, process)
     values = arguments_of_outermost(analysis, process, arguments, own)
     tunable = tunable_parameters(program, process.parameters, arguments, own)
-    for parameter in process.parameters:
-        if parameter not in values and parameter.name.text not in tunable:
-            kind = NoProgramError if top is None and environment is None else SelectionError
-            raise kind(
-                f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
-                f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
-            )
+    for parameter in _without_value(process, values, tunable):
+        kind = NoProgramError if top is None and environment is None else SelectionError
+        raise kind(
+            f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
+            f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
+        )
     is_known = analysis is checked and surroundings == "environment"
     root = analysis.known_root(process, values_by_name(values)) if is_known else None
     if root is None:
@@ -159,6 +158,23 @@ def _arguments_of_program(
                 program, expression, LoweringContext(values={}, lower_name=own)
             )
     return known
+
+
+def parameters_without_value(
+    program: Program, analysis: Analysis, top: str, overrides: Mapping[str, Value]
+) -> tuple[ast.Parameter, ...]:
+    """The parameters that the process ``top`` lacks a value for if it is the outermost one. Raises SelectionError."""
+    process, environments = selection(program, analysis, top, None)
+    arguments = environments[0].arguments if environments else ()
+    own = of_root(overrides, process)
+    values = arguments_of_outermost(analysis, process, arguments, own)
+    return tuple(_without_value(process, values, tunable_parameters(program, process.parameters, arguments, own)))
+
+
+def _without_value(
+    process: ast.ProcessDefinition, values: Mapping[ast.Node, Value], tunable: Container[str]
+) -> Iterator[ast.Parameter]:
+    return (item for item in process.parameters if item not in values and item.name.text not in tunable)
 
 
 def selection(

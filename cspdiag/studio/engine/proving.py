@@ -49,8 +49,9 @@ def verify(files: Files, params: Data) -> list[Data]:
     for question in questions:
         for name in () if question in obligations.proved else question.processes:
             obligations.network(name)
-    if obligations.checked.report.has_errors:
-        raise RequestError("the program has errors, so nothing is proved of it", "correct those first")
+    problem = next((found for found in obligations.checked.report.diagnostics if found.severity == "error"), None)
+    if problem is not None:
+        raise RequestError(problem.message, problem.help)
     verifier = Verifier(obligations, files.read)
     return [_answer(verifier.answer(question, Limits(limit, MEMORY_LIMIT))) for question in questions]
 

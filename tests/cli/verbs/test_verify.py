@@ -83,6 +83,19 @@ def test_programs_with_errors_are_not_proved(cspdiag: Command, tmp_path: Path) -
     assert "error[E" in result.err
 
 
+def test_a_process_without_the_value_of_a_parameter_is_refused_where_it_is_asserted(
+    cspdiag: Command, tmp_path: Path
+) -> None:
+    path = tmp_path / "blink.csp"
+    path.write_text(manual_page("E1108").refused)
+    result = cspdiag("verify", str(path))
+    assert (result.code, result.out) == (1, "")
+    assert "error[E1108]: `Blink` has no value for its parameter `times`, so nothing can be proved of it" in result.err
+    assert f"{path}:11:1" in result.err
+    assert "cspdiag verify --set times=..." in result.err
+    assert cspdiag("verify", "--set", "times=2", str(path)).code == 0
+
+
 @pytest.mark.parametrize("format_", ["concise", "json", "sarif", "github", "junit"])
 @pytest.mark.parametrize("options", [[], ["--timing"]])
 def test_errors_are_reported_in_the_requested_format(

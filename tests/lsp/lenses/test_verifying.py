@@ -45,6 +45,18 @@ async def test_after_a_change_the_lens_has_the_answer_of_before(client: Client, 
     await editor.close()
 
 
+async def test_an_assertion_about_a_process_without_values_does_not_keep_others_from_being_proved(
+    client: Client, tmp_path: Path
+) -> None:
+    editor = Editor(client, tmp_path)
+    program = "process Open(n: int) { composition { stop } }\nassert Open deadlock free\n"
+    await editor.open("main.csp", program + PROGRAM)
+    assert str(await asyncio.wait_for(verify(editor, 3), PATIENCE)).startswith("Refuted: ")
+    assert await asyncio.wait_for(verify(editor, 1), PATIENCE) is None
+    assert "`Open` has no value for its parameter `n`" in client.messages[-1].message
+    await editor.close()
+
+
 async def test_a_proof_is_shown_and_can_be_cancelled(client: Client, tmp_path: Path) -> None:
     editor = Editor(client, tmp_path)
     await editor.open("main.csp", MANY_SEATS)
