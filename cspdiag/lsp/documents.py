@@ -162,7 +162,7 @@ class Documents:
         if document is not None:
             return document.uri
         if not os.path.isabs(name):
-            # A library, or what a text that is in no file imports, which is looked for in the present folder.
+            # A library, or what a text that is in no file imports, whose path begins in the present folder.
             name = library_file(name.removesuffix(".csp").replace("/", ".")) or os.path.abspath(name)
         return uris.from_fs_path(name) or name
 
