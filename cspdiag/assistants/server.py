@@ -185,7 +185,7 @@ class _Tools:
             if done.out:
                 lines.append(f"The program printed:\n{done.out}")
             text = shortened("\n".join(lines))
-            if done.code == 1 and not recording.exists():
+            if done.code == 1 and not recording.exists() and _NOTHING_RECORDED not in done.err:
                 raise ToolError(text)
             ports = figures_of(recording) if recording.exists() else {}
             result = RunResult(successful=done.code == 0, summary=text, ports=ports)
@@ -266,9 +266,14 @@ def _options(process: str | None, settings: dict[str, str | float] | None) -> li
     return chosen + [word for name, value in (settings or {}).items() for word in ("--set", f"{name}={value}")]
 
 
+_NOTHING_RECORDED = "cspdiag: nothing was recorded"
+"""What `run` says of a program that has run and failed before its ports had values."""
+
+
 def _without_written(done: Finished) -> str:
-    """What a command says, except which files it has written: nobody sees those."""
-    return "\n".join(line for line in done.err.splitlines() if not line.strip().startswith("wrote "))
+    """What a command says, except which files it has written or not: nobody sees those."""
+    lines = done.err.splitlines()
+    return "\n".join(line for line in lines if not line.strip().startswith(("wrote ", _NOTHING_RECORDED)))
 
 
 def _json(text: str, done: Finished) -> list[dict[str, Any]]:

@@ -120,6 +120,7 @@ def test_programs_are_checked_proved_and_run(folder: Path) -> None:
         stuck = structured(await client.call_tool("run", {"file": "stuck.csp"}))
         assert not stuck["successful"]
         assert "Both.one waits to read" in stuck["summary"]
+        assert "recorded" not in stuck["summary"]
 
     with_client(folder, use)
 

@@ -63,14 +63,19 @@ def terminal() -> Iterator[tuple[int, str]]:
         os.close(slave)
 
 
+def _wait_until_opened(master: int) -> None:
+    """Then the terminal does not echo any more."""
+    while termios.tcgetattr(master)[3] & termios.ECHO:
+        time.sleep(0.01)
+    time.sleep(0.1)
+
+
 def _run(terminal: tuple[int, str], keys: list[bytes], until: str = "5 s") -> Run:
     """Types the keys as soon as the terminal does not echo any more."""
     master, path = terminal
 
     def type_() -> None:
-        while termios.tcgetattr(master)[3] & termios.ECHO:
-            time.sleep(0.01)
-        time.sleep(0.1)
+        _wait_until_opened(master)
         for key in keys:
             os.write(master, key)
             time.sleep(0.05)
@@ -118,7 +123,12 @@ def test_a_terminal_that_is_closed_ends_the_run() -> None:
     master, slave = pty.openpty()
     path = os.ttyname(slave)
     os.close(slave)
-    closing = threading.Timer(0.5, os.close, [master])
+
+    def close() -> None:
+        _wait_until_opened(master)
+        os.close(master)
+
+    closing = threading.Thread(target=close)
     closing.start()
     result = cspdiag.parse(PROGRAM.replace("PATH", path)).run(real_time=True, until="5 s")
     closing.join()
