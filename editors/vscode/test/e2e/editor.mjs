@@ -186,8 +186,17 @@ export class Editor {
 
   /** The processes of the language server of this editor. */
   servers() {
+    return this.processes("lsp");
+  }
+
+  /** The processes that run programs for this editor. */
+  runs() {
+    return this.processes("run");
+  }
+
+  processes(verb) {
     const lines = execFileSync("ps", ["-eo", "pid,args"], { encoding: "utf8" }).split("\n");
-    return lines.filter((line) => line.includes(`${this.folder}/`) && line.includes("/bin/cspdiag lsp")).map((line) => parseInt(line));
+    return lines.filter((line) => line.includes(`${this.folder}/`) && line.includes(`/bin/cspdiag ${verb}`)).map((line) => parseInt(line));
   }
 
   /** The processes that draw for this editor. */

@@ -270,6 +270,13 @@ step("a proof ends with the server, and its lens says so", async () => {
 step("the result of a run says that the text was changed while it ran", async () => {
   await editor.open("count.csp", 3);
   await editor.page.locator(".codelens-decoration a", { hasText: "Run" }).first().click();
+  await editor.page.locator(".codelens-decoration", { hasText: "running…" }).waitFor();
+  await editor.until(() => editor.runs().length === 1);
+  // Another one takes its place.
+  const before = editor.runs();
+  await editor.page.locator(".codelens-decoration a", { hasText: "Run" }).first().click();
+  await editor.until(() => editor.runs().length === 1 && editor.runs()[0] !== before[0]);
+  await editor.page.locator(".codelens-decoration", { hasText: "running…" }).waitFor();
   const running = await editor.notification("Running Bench");
   await editor.goTo(1);
   await editor.page.keyboard.type(" ");
