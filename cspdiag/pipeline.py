@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from cspdiag.proofs.answers.answer import Answer
     from cspdiag.proofs.answers.question import Question
     from cspdiag.settings import Overrides
-    from cspdiag.syntax.ast import SourceTree
+    from cspdiag.syntax.ast import Parameter, SourceTree
 
 Reader = Callable[[str], SourceFile]
 """Reads an imported file; raises OSError if it cannot."""
@@ -91,44 +91,43 @@ class ProofObligations:
 
     def network(self, process: str) -> CoreNetwork | None:
         """The network of a process as the outermost one; None if lowering it reports an error."""
+        from cspdiag.network.lower.program import MissingValueError
+
         if process not in self.networks:
-            if self._lacks_values(process):
-                return None
             is_specification = process in {question.specification for question in self.questions}
             is_asked = process in {question.process for question in self.questions}
-            network = compile_network(
-                self.checked,
-                top=process,
-                overrides=self.parameters,
-                surroundings="specification" if is_specification and not is_asked else "environment",
-            )
+            try:
+                network = compile_network(
+                    self.checked,
+                    top=process,
+                    overrides=self.parameters,
+                    surroundings="specification" if is_specification and not is_asked else "environment",
+                )
+            except MissingValueError as problem:
+                if not self._report_missing(process, problem.parameters):
+                    raise
+                return None
             if network is None:
                 return None
             self.networks[process] = network
         return self.networks[process]
 
-    def lower(self) -> None:
-        """Lower the processes of all questions that are open; the report has what is wrong with them."""
-        for question in self.questions:
+    def lower(self, questions: Sequence[Question] | None = None) -> None:
+        """Lower the processes of some questions, or all, that are open; the report has what is wrong with them."""
+        for question in self.questions if questions is None else questions:
             for name in () if question in self.proved else question.processes:
                 self.network(name)
 
-    def _lacks_values(self, process: str) -> bool:
-        """Whether a process that an assertion names has parameters without a value, which are reported."""
-        from cspdiag.network.lower.program import parameters_without_value
+    def _report_missing(self, process: str, parameters: Sequence[Parameter]) -> bool:
+        """Report what an asserted process lacks; False if it is in no assertion."""
         from cspdiag.proofs.diagnostics.processes import OpenParameter
 
-        asserted = [each for each in self.questions if each.asserted and process in each.processes]
-        if not asserted or self.checked.program is None or self.checked.analysis is None:
-            return False
-        lacking = parameters_without_value(self.checked.program, self.checked.analysis, process, self.parameters)
-        for parameter in lacking:
+        places = [each.span for each in self.questions if each.asserted and process in each.processes]
+        for parameter in parameters if places else ():
             self.checked.report.add(
-                OpenParameter(
-                    asserted[0].span, process=process, parameter=parameter.name.text, declared=parameter.name.span
-                )
+                OpenParameter(places[0], process=process, parameter=parameter.name.text, declared=parameter.name.span)
             )
-        return bool(lacking)
+        return bool(places)
 
 
 @raised_recursion_limit()

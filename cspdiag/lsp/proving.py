@@ -100,9 +100,7 @@ def _answers(request: Mapping[str, object]) -> list[Proved] | str:
     if report.has_errors:
         return "the program has errors"
     questions = [each for each in obligations.questions if each.span.start == start and each.asserted]
-    for question in questions:
-        for name in question.processes:
-            obligations.network(name)
+    obligations.lower(questions)
     if report.has_errors:
         # Only now: they belong to these assertions.
         return next(found.message for found in report.diagnostics if found.severity == "error")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from keyword import iskeyword
 
 from cspdiag.base import Report
@@ -35,7 +35,15 @@ class SelectionError(CspdiagError, ValueError):
     """There is no process or environment as selected, or it lacks a value; the message is one line."""
 
 
-class NoProgramError(SelectionError):
+class MissingValueError(SelectionError):
+    """Parameters of the process have no value."""
+
+    def __init__(self, message: str, parameters: tuple[ast.Parameter, ...] = ()) -> None:
+        super().__init__(message)
+        self.parameters = parameters
+
+
+class NoProgramError(MissingValueError):
     """Nothing was selected, and the text has no process that is a program by itself: it is a library."""
 
 
@@ -65,11 +73,13 @@ def lower(
     own = of_root(overrides, process)
     values = arguments_of_outermost(analysis, process, arguments, own)
     tunable = tunable_parameters(program, process.parameters, arguments, own)
-    for parameter in _without_value(process, values, tunable):
-        kind = NoProgramError if top is None and environment is None else SelectionError
+    lacking = tuple(item for item in process.parameters if item not in values and item.name.text not in tunable)
+    if lacking:
+        kind = NoProgramError if top is None and environment is None else MissingValueError
         raise kind(
-            f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
-            f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
+            f"the outermost process `{process.name.text}` has no value for its parameter `{lacking[0].name.text}`: "
+            f"give it a default, set it, or write an environment for `{process.name.text}(...)`",
+            lacking,
         )
     is_known = analysis is checked and surroundings == "environment"
     root = analysis.known_root(process, values_by_name(values)) if is_known else None
@@ -158,23 +168,6 @@ def _arguments_of_program(
                 program, expression, LoweringContext(values={}, lower_name=own)
             )
     return known
-
-
-def parameters_without_value(
-    program: Program, analysis: Analysis, top: str, overrides: Mapping[str, Value]
-) -> tuple[ast.Parameter, ...]:
-    """The parameters that the process ``top`` lacks a value for if it is the outermost one. Raises SelectionError."""
-    process, environments = selection(program, analysis, top, None)
-    arguments = environments[0].arguments if environments else ()
-    own = of_root(overrides, process)
-    values = arguments_of_outermost(analysis, process, arguments, own)
-    return tuple(_without_value(process, values, tunable_parameters(program, process.parameters, arguments, own)))
-
-
-def _without_value(
-    process: ast.ProcessDefinition, values: Mapping[ast.Node, Value], tunable: Container[str]
-) -> Iterator[ast.Parameter]:
-    return (item for item in process.parameters if item not in values and item.name.text not in tunable)
 
 
 def selection(

@@ -46,9 +46,7 @@ def verify(files: Files, params: Data) -> list[Data]:
     ]
     if only is not None and not questions:
         raise RequestError(f"the program asserts no `{only}`")
-    for question in questions:
-        for name in () if question in obligations.proved else question.processes:
-            obligations.network(name)
+    obligations.lower(questions)
     problem = next((found for found in obligations.checked.report.diagnostics if found.severity == "error"), None)
     if problem is not None:
         raise RequestError(problem.message, problem.help)
