@@ -72,6 +72,7 @@ class Slotted:
 
     __slots__ = ()
     __record_defaults__: ClassVar[Mapping[str, Any]] = EMPTY
+    __record_stores__: ClassVar[tuple[Callable[[Any, object], None], ...]] = ()
 
 
 def _with_slots(cls: Any) -> Any:
@@ -102,10 +103,10 @@ def _declared_in(annotations: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(name for name, kind in annotations.items() if not kind.startswith("ClassVar"))
 
 
-def _restored(kind: type[T], values: tuple[object, ...]) -> T:
+def _restored(kind: type[Slotted], values: tuple[object, ...]) -> Slotted:
     """A slotted record with these values, for those that store records."""
     item = kind.__new__(kind)
-    _take_all(map(call, kind.__record_stores__, repeat(item), values))  # type: ignore[attr-defined]
+    _take_all(map(call, kind.__record_stores__, repeat(item), values))
     return item
 
 

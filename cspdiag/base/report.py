@@ -29,6 +29,11 @@ class Report:
         return sorted(self._found.values(), key=lambda d: (d.span.file, d.span.start, d.code))
 
     @property
+    def first_error(self) -> Diagnostic | None:
+        """The first error by file and place."""
+        return next((found for found in self.diagnostics if found.severity == "error"), None)
+
+    @property
     def has_errors(self) -> bool:
         """Whether any diagnostic is an error."""
         return any(d.severity == "error" for d in self._found.values())

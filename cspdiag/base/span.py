@@ -59,7 +59,7 @@ class SourceFile:
 
 def _end(span: Span) -> int:
     """The offset after its last character."""
-    length: int = span._length  # type: ignore[attr-defined]
+    length: int = span._length  # type: ignore[attr-defined] # What is annotated in the class is a field of a record.
     return span.start + length
 
 

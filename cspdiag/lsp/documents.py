@@ -10,6 +10,7 @@ from functools import lru_cache
 from lsprotocol import types
 from pygls import uris
 
+from cspdiag.base.files.content import Stamp, stamp_of
 from cspdiag.base.files.resources import library_file
 from cspdiag.base.record import replaced
 from cspdiag.base.sources import FileStyle, read_source, read_whole
@@ -33,7 +34,7 @@ class Document:
         self.source = SourceFile(name=name, text=self._text(text, positions))
         self.answered: dict[str, str] = {}
         """The last answer about each assertion, by its text; the program may have changed since."""
-        self._on_disk: tuple[tuple[int, int, int], str | None] | None = None
+        self._on_disk: tuple[Stamp, str | None] | None = None
         """What distinguishes the file that was read last, and why that is not text in UTF-8, if it is not."""
 
     def _text(self, whole: str, positions: Positions) -> str:
@@ -55,7 +56,7 @@ class Document:
             found = os.stat(name)
         except (OSError, ValueError):
             return None
-        stamp = found.st_mtime_ns, found.st_size, found.st_ino
+        stamp = stamp_of(found)
         if self._on_disk is None or self._on_disk[0] != stamp:
             self._on_disk = stamp, _not_text(name)
         return self._on_disk[1]

@@ -101,9 +101,10 @@ def _answers(request: Mapping[str, object]) -> list[Proved] | str:
         return "the program has errors"
     questions = [each for each in obligations.questions if each.span.start == start and each.asserted]
     obligations.lower(questions)
-    if report.has_errors:
-        # Only now: they belong to these assertions.
-        return next(found.message for found in report.diagnostics if found.severity == "error")
+    problem = report.first_error
+    if problem is not None:
+        # Only now: it belongs to these assertions.
+        return problem.message
     verifier = Verifier(obligations, read, None)
     try:
         answers = [verifier.answer(question, Limits(TIME_LIMIT, MEMORY_LIMIT)) for question in questions]

@@ -6,6 +6,14 @@ import hashlib
 import os
 import stat
 from functools import lru_cache
+from typing import TypeAlias
+
+Stamp: TypeAlias = "tuple[int, int, int]"
+
+
+def stamp_of(found: os.stat_result) -> Stamp:
+    """Its identity, size and time of change: another one for a file that has another content."""
+    return found.st_ino, found.st_size, found.st_mtime_ns
 
 
 def digest_of_file(path: str) -> str | None:
@@ -16,12 +24,12 @@ def digest_of_file(path: str) -> str | None:
         found = os.stat(path)
         if not stat.S_ISREG(found.st_mode):
             return None
-        return _digest(path, (found.st_ino, found.st_size, found.st_mtime_ns))
+        return _digest(path, stamp_of(found))
     except (OSError, ValueError):
         return None
 
 
 @lru_cache(maxsize=256)
-def _digest(path: str, stamp: tuple[int, int, int]) -> str:
+def _digest(path: str, stamp: Stamp) -> str:
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

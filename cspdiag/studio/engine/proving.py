@@ -47,7 +47,7 @@ def verify(files: Files, params: Data) -> list[Data]:
     if only is not None and not questions:
         raise RequestError(f"the program asserts no `{only}`")
     obligations.lower(questions)
-    problem = next((found for found in obligations.checked.report.diagnostics if found.severity == "error"), None)
+    problem = obligations.checked.report.first_error
     if problem is not None:
         raise RequestError(problem.message, problem.help)
     verifier = Verifier(obligations, files.read)

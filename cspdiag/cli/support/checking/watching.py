@@ -78,6 +78,8 @@ def stamps(names: Iterable[str]) -> dict[str, tuple[int, int, int] | None]:
     """What changes with a file's content: its identity, size and time of change; None for a file that is not there."""
     import os
 
+    from cspdiag.base.files.content import stamp_of
+
     found: dict[str, tuple[int, int, int] | None] = {}
     for name in names:
         try:
@@ -85,5 +87,5 @@ def stamps(names: Iterable[str]) -> dict[str, tuple[int, int, int] | None]:
         except OSError:
             found[name] = None
         else:
-            found[name] = status.st_ino, status.st_size, status.st_mtime_ns
+            found[name] = stamp_of(status)
     return found
