@@ -51,6 +51,8 @@ class Frame(NamedTuple):
     """What is sent. ``instance`` is the process that has the place, ``known`` the one that it takes for the receiver;
     ``program`` says what it runs. ``number`` is that of ``message``, 0 without one. ``stamp`` is its clock in
     nanoseconds; ``echo`` is that of the receiver when it sent the last frame that arrived, and since when it is here.
+    ``message`` is written once, when it is sent first: sending it again needs no type of the program, which may have
+    ended by then.
     """
 
     place: str
@@ -61,7 +63,7 @@ class Frame(NamedTuple):
     acknowledged: int
     stamp: int
     echo: tuple[int, int]
-    message: Any
+    message: bytes
 
 
 class Link:
@@ -76,7 +78,7 @@ class Link:
         self.sent = 0.0
         self.number = 0
         self.received = 0
-        self.waiting: deque[tuple[int, Any]] = deque()
+        self.waiting: deque[tuple[int, bytes]] = deque()
         self.since = 0.0
         """When the first message that waits for its acknowledgement was last sent."""
         self.echo = (0, 0)
@@ -139,12 +141,13 @@ class Links:
     def send(self, place: str, message: Any) -> None:
         """Sends a message, which arrives when the link allows it."""
         link = self.by_place[place]
+        written = self._codec.written(message)
         with self._changed:
             link.number += 1
-            link.waiting.append((link.number, message))
+            link.waiting.append((link.number, written))
             if len(link.waiting) == 1:
                 link.since = time.monotonic()
-            self._transmit(link, link.number, message)
+            self._transmit(link, link.number, written)
 
     def broadcast(self, message: Any) -> None:
         """Sends a message to all other places."""
@@ -171,7 +174,7 @@ class Links:
             self._thread.join()
         self._transport.close()
 
-    def _transmit(self, link: Link, number: int = 0, message: Any = None) -> None:
+    def _transmit(self, link: Link, number: int = 0, message: bytes = b"") -> None:
         now = time.monotonic_ns()
         link.sent = now / 1e9
         received, since = link.echo
@@ -209,6 +212,7 @@ class Links:
         now = time.monotonic_ns()
         try:
             frame = Frame(*self._codec.read(data))
+            message = self._codec.read(frame.message) if frame.number else None
         except (BadMessageError, TypeError):
             return  # It is from something else than a place of the program.
         link = self.by_place.get(frame.place)
@@ -218,7 +222,7 @@ class Links:
             return
         with self._changed:
             if self._is_partner(link, frame):
-                self._take(link, frame, now)
+                self._take(link, frame, message, now)
             self._changed.notify_all()
         self.news()
 
@@ -238,7 +242,7 @@ class Links:
         link.instance = frame.instance
         return True
 
-    def _take(self, link: Link, frame: Frame, now: int) -> None:
+    def _take(self, link: Link, frame: Frame, message: Any, now: int) -> None:
         if frame.known:
             link.knows = frame.known
         link.heard = now / 1e9
@@ -254,7 +258,7 @@ class Links:
         if frame.number:
             if frame.number == link.received + 1:
                 link.received = frame.number
-                self.inbox.append((link.place, frame.message))
+                self.inbox.append((link.place, message))
             self._transmit(link)
 
     def _fail(self, why: str) -> None:

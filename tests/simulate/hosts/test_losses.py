@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from types import ModuleType
 
 import pytest
 
@@ -168,3 +170,28 @@ def test_a_place_that_fails_ends_the_others() -> None:
         right = begin(pool, text, "right", air, real_time=True)
         outcomes = [left.result(timeout=30).outcome, right.result(timeout=30).outcome]
     assert ["division by zero" in str(outcome.error) for outcome in outcomes] == [True, True]
+
+
+def test_a_message_is_sent_again_after_the_package_of_the_program_has_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    types = ModuleType("_package_that_goes.types")
+    exec("from enum import Enum\nclass Order(Enum):\n    GO = 1", types.__dict__)
+    order = types.__dict__["Order"].GO
+    monkeypatch.setitem(sys.modules, "_package_that_goes", ModuleType("_package_that_goes"))
+    monkeypatch.setitem(sys.modules, types.__name__, types)
+    air = Air()
+    left, right = (
+        Links(air.transport(), Codec(types), *places, {}) for places in (("left", ["right"]), ("right", ["left"]))
+    )
+    left.open()
+    right.open()
+    assert eventually(lambda: not left.missing and not right.missing)
+    air.is_cut = True
+    left.send("right", order)
+    monkeypatch.undo()
+    sent = air.count
+    assert eventually(lambda: air.count > sent + 3)
+    air.is_cut = False
+    assert eventually(lambda: not left.by_place["right"].waiting)
+    left.close()
+    right.close()
+    assert list(right.inbox) == [("left", order)]
