@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from .failure import DeviceError, library
 from .messages import SECOND, MessageDevice, Use, addressed, decoded, encoded
+
+_PATIENCE = 1.0
+"""Seconds that the last values have to leave for the network."""
 
 
 class Zenoh(MessageDevice):
@@ -55,8 +60,20 @@ class Zenoh(MessageDevice):
             raise DeviceError(f"it cannot join the network: {str(error).partition(' at ')[0]}") from None
 
     def disconnect(self) -> None:
-        """See ``MessageDevice.disconnect``."""
-        if self._session is not None:
+        """See ``MessageDevice.disconnect``. Raises DeviceError if what was sent last could not leave."""
+        if self._session is None:
+            return
+        # Over a link that takes nothing any more it waits for ten seconds, and then fails.
+        closing = threading.Thread(target=self._close, name=f"closing {self.name}", daemon=True)
+        closing.start()
+        closing.join(_PATIENCE)
+        if closing.is_alive():
+            raise DeviceError(
+                "the link is dead, so the last values may not have arrived: look at the network, and the peer"
+            )
+
+    def _close(self) -> None:
+        with suppress(library("zenoh", "eclipse-zenoh", "zenoh").ZError):
             self._session.close()
 
     def _arrived(self, sample: Any) -> None:

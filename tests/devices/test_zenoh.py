@@ -11,7 +11,10 @@ from typing import Any
 
 import pytest
 
+from cspdiag.devices.failure import DeviceError
+from cspdiag.devices.zenoh import Zenoh
 from tests.devices.echoing import DECLARED, Peer, converse, failure, program, run
+from tests.simulate.hosts.proxy import Proxy
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 
@@ -82,3 +85,18 @@ def test_a_network_that_cannot_be_joined_is_reported_before_the_run() -> None:
     result = run(program(DRIVER, f'connect = "{endpoint}"'), lambda: None)
     assert result.outcome.time == 0
     assert "DeviceError: it cannot join the network" in failure(result)
+
+
+def test_a_dead_link_is_named_when_the_last_values_cannot_leave() -> None:
+    """As after a cable was pulled, when what waits to be sent is more than the system holds."""
+    endpoint = _endpoint()
+    with _peer(endpoint):
+        proxy = Proxy(int(endpoint.rpartition(":")[2]), 0.0)
+        device = Zenoh({}, ["valve"], connect=f"tcp/127.0.0.1:{proxy.port}", multicast=False, prefix="tank")
+        device.open()
+        proxy.fall_silent()
+        for _ in range(3000):
+            device.write("valve", [0.5] * 20)
+        with pytest.raises(DeviceError, match="the link is dead, so the last values may not have arrived"):
+            device.close()
+        proxy.close()
