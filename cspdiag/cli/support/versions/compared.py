@@ -10,7 +10,16 @@ from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record, replaced
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.failure import UsageError, described
-from cspdiag.cli.support.versions.revisions import LAST_COMMIT, git, is_in_repository, reader_of, split_name
+from cspdiag.cli.support.versions.revisions import (
+    LAST_COMMIT,
+    git,
+    is_in,
+    is_in_repository,
+    reader_of,
+    require_revision,
+    split_name,
+    within,
+)
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -64,12 +73,12 @@ def versions(arguments: Namespace) -> list[tuple[Version, Version]]:
     revision, path = split_name(arguments.old)
     if revision is not None and arguments.start is not None:
         raise UsageError(f"{arguments.old} names a revision, and so does --from")
-    return [(Version(revision or arguments.start or LAST_COMMIT, path), Version(arguments.end, path))]
+    return [_of_file(path, revision or arguments.start or LAST_COMMIT, arguments.end)]
 
 
 def compared(before: Version, after: Version, *, imported: bool = True) -> Comparison:
-    """What changed from one version to the other, in ``imported`` files, too. Raises OSError for a file that cannot be
-    read.
+    """What changed from one version to the other, in ``imported`` files, too, unless there is only one version. Raises
+    OSError for a file that cannot be read.
     """
     from cspdiag.draw.differences.programs import differences
 
@@ -82,7 +91,9 @@ def compared(before: Version, after: Version, *, imported: bool = True) -> Compa
     if second.readable is None:
         raise UnreadableError(after, errors)
     whole = (first.program is not None, second.program is not None)
-    difference = differences(first.readable, second.readable, whole=whole, imported=imported)
+    difference = differences(
+        first.readable, second.readable, whole=whole, imported=imported and before.exists and after.exists
+    )
     return Comparison(after.path, before.path, difference, errors, programs=(first.readable, second.readable))
 
 
@@ -128,16 +139,48 @@ def _checked(version: Version) -> Checked:
     return check(source, read)
 
 
-def _changed(start: str, end: str | None) -> list[tuple[Version, Version]]:
-    """The programs at or below the current folder that differ in two revisions, in the order of git; renamed files have
-    another path in each.
+def _of_file(path: str, start: str, end: str | None) -> tuple[Version, Version]:
+    """A file in two revisions, in one of which it may have another path, or not be. Raises UsageError if it is in
+    neither.
     """
+    before, after = Version(start, path), Version(end, path)
+    exists = [is_in(each.revision, path) for each in (before, after)]
+    if all(exists):
+        return before, after
+    if not any(exists):
+        where = "here" if end is None else f"in revision {end}"
+        raise UsageError(f"{path}: there is no such file, neither {where} nor in revision {start}")
+    folder, _ = within(path)
+    top = git(path, folder, "rev-parse", "--show-toplevel").decode().rstrip("\n")
+    place = os.path.realpath(path)
+    for first, second in _changes(top, start, end):
+        if place in (os.path.join(top, first.path), os.path.join(top, second.path)):
+            return _seen_from_here(first, top), _seen_from_here(second, top)
+    return before, after  # Git does not know it: what is missing is said when it is read.
+
+
+def _seen_from_here(version: Version, top: str) -> Version:
+    return replaced(version, path=os.path.relpath(os.path.join(top, version.path)))
+
+
+def _changed(start: str, end: str | None) -> list[tuple[Version, Version]]:
+    """The programs at or below the current folder that differ in two revisions."""
     if not is_in_repository(os.curdir):
         raise UsageError("this folder is not in a git repository: name two files to compare: diff OLD NEW")
+    for revision in (start, end):
+        if revision is not None:
+            require_revision(revision, os.curdir, os.curdir)
+    return _changes(os.curdir, start, end)
+
+
+def _changes(folder: str, start: str, end: str | None) -> list[tuple[Version, Version]]:
+    """The programs at or below a folder that differ in two revisions, in the order of git, with paths from that folder;
+    renamed files have another path in each.
+    """
     revisions = [start] if end is None else [start, end]
     options = ("--relative", "--find-renames", "--no-ext-diff", "--name-status", "-z")
     words = iter(
-        os.fsdecode(git(os.curdir, os.curdir, "diff", *options, "--end-of-options", *revisions, "--", "*.csp"))
+        os.fsdecode(git(folder, folder, "diff", *options, "--end-of-options", *revisions, "--", "*.csp"))
         .rstrip("\0")
         .split("\0")
     )

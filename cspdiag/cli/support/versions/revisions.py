@@ -14,7 +14,8 @@ from cspdiag.cli.support.failure import UsageError
 Reader = Callable[[str], SourceFile]
 
 LAST_COMMIT = "HEAD"
-_COMMIT_OR_NAME_TWO = "commit it first, or name two files to compare: diff OLD NEW"
+_OR_NAME_TWO = "or name two files to compare: diff OLD NEW"
+_COMMIT_OR_NAME_TWO = f"commit it first, {_OR_NAME_TWO}"
 
 
 def reader_of(revision: str | None) -> Reader:
@@ -45,22 +46,44 @@ def split_name(name: str) -> tuple[str | None, str]:
     return revision, os.path.normpath(path)
 
 
-def _shown(revision: str, path: str) -> bytes:
-    # The folder may not exist any more in the working tree.
+def require_revision(revision: str, path: str, folder: str) -> None:
+    """Raise UsageError if the repository of a folder has no such revision; ``path`` is the file concerned."""
+    try:
+        git(path, folder, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}")
+    except NoRepositoryError:
+        raise
+    except UsageError:
+        if revision == LAST_COMMIT:
+            advice = f"commit the programs first, {_OR_NAME_TWO}"
+            raise UsageError(f"there is no commit in this repository yet: {advice}") from None
+        raise UsageError(f"there is no revision {revision!r} in this repository") from None
+
+
+def is_in(revision: str | None, path: str) -> bool:
+    """Whether a revision, or the working tree (None), has a file. Raises UsageError if there is no such revision."""
+    if revision is None:
+        return os.path.exists(path)
+    folder, rest = within(path)
+    require_revision(revision, path, folder)
+    try:
+        git(path, folder, "cat-file", "-e", f"{revision}:./{rest}")
+    except UsageError:
+        return False
+    return True
+
+
+def within(path: str) -> tuple[str, str]:
+    """The folder of a file, or the innermost one that exists still in the working tree, and the path from there."""
     folder, rest = os.path.split(os.path.abspath(path))
     while not os.path.isdir(folder):
         folder, last = os.path.split(folder)
         rest = os.path.join(last, rest)
-    git(
-        path,
-        folder,
-        "rev-parse",
-        "--verify",
-        "--quiet",
-        "--end-of-options",
-        f"{revision}^{{commit}}",
-        says=f"no revision {revision!r}" + (f": {_COMMIT_OR_NAME_TWO}" if revision == LAST_COMMIT else ""),
-    )
+    return folder, rest
+
+
+def _shown(revision: str, path: str) -> bytes:
+    folder, rest = within(path)
+    require_revision(revision, path, folder)
     try:
         return git(path, folder, "show", "--end-of-options", f"{revision}:./{rest}")
     except UsageError:
@@ -72,15 +95,15 @@ def is_in_repository(folder: str) -> bool:
     """Whether a folder is in the working tree of a git repository. Raises UsageError without git."""
     try:
         return git(folder, folder, "rev-parse", "--is-inside-work-tree") == b"true\n"
-    except _NoRepositoryError:
+    except NoRepositoryError:
         return False
 
 
-class _NoRepositoryError(UsageError):
+class NoRepositoryError(UsageError):
     """There is no git repository."""
 
 
-def git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
+def git(path: str, folder: str, *arguments: str) -> bytes:
     """The output of git in a folder; ``path`` is the file concerned. Raises UsageError with what git says."""
     try:
         done = subprocess.run(
@@ -95,6 +118,6 @@ def git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
     if done.returncode != 0:
         error = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
         if error.startswith("not a git repository"):
-            raise _NoRepositoryError(f"{path} is not in a git repository: {_COMMIT_OR_NAME_TWO}")
-        raise UsageError(f"git: {error or says}")
+            raise NoRepositoryError(f"{path} is not in a git repository: {_COMMIT_OR_NAME_TWO}")
+        raise UsageError(f"git: {error}")
     return done.stdout

@@ -163,7 +163,9 @@ def test_outside_of_a_repository_two_files_are_needed(cspdiag: Command, versions
     assert cspdiag("diff", *versions).code == 1
 
 
-def test_before_the_first_commit_a_message_says_what_to_do(cspdiag: Command, repository: Path, tmp_path: Path) -> None:
+def test_before_the_first_commit_a_message_says_what_to_do(
+    cspdiag: Command, repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     advice = "commit it first, or name two files to compare: diff OLD NEW"
     new = repository / "new.csp"
     new.write_text(PROGRAM)
@@ -171,7 +173,41 @@ def test_before_the_first_commit_a_message_says_what_to_do(cspdiag: Command, rep
     fresh = tmp_path / "fresh"
     subprocess.run(["git", "init", "-q", str(fresh)], check=True)
     (fresh / "new.csp").write_text(PROGRAM)
-    assert cspdiag("diff", fresh / "new.csp") == (2, "", f"cspdiag: git: no revision 'HEAD': {advice}\n")
+    none = "there is no commit in this repository yet: commit the programs first, or name two files to compare"
+    monkeypatch.chdir(fresh)
+    for arguments in (["new.csp"], [], ["HEAD:new.csp"], ["HEAD:new.csp", "new.csp"]):
+        assert cspdiag("diff", *arguments) == (2, "", f"cspdiag: {none}: diff OLD NEW\n")
+
+
+def test_a_file_that_is_in_no_revision_and_a_revision_that_is_not_there(
+    cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(repository)
+    nowhere = "missing.csp: there is no such file, neither"
+    assert cspdiag("diff", "missing.csp") == (2, "", f"cspdiag: {nowhere} here nor in revision HEAD\n")
+    result = cspdiag("diff", "missing.csp", "--from", "main", "--to", "HEAD")
+    assert result.err == f"cspdiag: {nowhere} in revision HEAD nor in revision main\n"
+    unknown = (2, "", "cspdiag: there is no revision 'v9' in this repository\n")
+    for arguments in (["--from", "v9"], ["--to", "v9"], ["loop.csp", "--to", "v9"], ["v9:./loop.csp"]):
+        assert cspdiag("diff", *arguments) == unknown
+
+
+def test_a_file_that_was_removed_added_or_renamed_is_compared_as_without_its_name(
+    cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also from another folder, and without what it imports."""
+    (repository / "loop.csp").unlink()
+    assert cspdiag("diff", repository / "loop.csp").out == "- process Loop\n"
+    monkeypatch.chdir(repository)
+    git(repository, "checkout", "-q", ".")
+    git(repository, "mv", "loop.csp", "ring.csp")
+    (repository / "ring.csp").write_text(PROGRAM.replace("2<V>", "3<V>"))
+    changed = "  process Loop\n    ~ instance law: argument gain 2<V> → 3<V>\n"
+    for name in ("ring.csp", "loop.csp"):
+        assert cspdiag("diff", name).out == changed
+    (repository / "ring.csp").write_text("enum Other { one }\n")
+    git(repository, "add", "ring.csp")
+    assert cspdiag("diff", "ring.csp") == (1, "+ enum Other\n", "")
 
 
 def test_a_version_that_cannot_be_read_is_shown_with_its_errors(cspdiag: Command, versions: tuple[Path, Path]) -> None:
