@@ -1,10 +1,10 @@
 """Literate cases: Markdown files whose sections contain a program and what the compiler says about it.
 
 Each ``##`` section is a case: prose, a fenced ``csp`` block with the program, further ``csp NAME`` blocks with the
-files it imports, then a ``diagnostics`` block (``diagnostics float32`` with ``--real float32``), a ``network`` block or
-both, or a ``composition`` block: the elements of the composition diagrams. ``network -O1`` is the network after all
-passes of the optimizer, ``network specialize,variables`` the network after these passes, ``network flatten.Main`` only
-its class ``Main``.
+files it imports, then a ``diagnostics`` block (``diagnostics float32`` with ``--real float32``, ``diagnostics
+no-numpy`` without numpy), a ``network`` block or both, or a ``composition`` block: the elements of the composition
+diagrams. ``network -O1`` is the network after all passes of the optimizer, ``network specialize,variables`` the network
+after these passes, ``network flatten.Main`` only its class ``Main``.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from cspdiag import pipeline
 from cspdiag.base import Diagnostic, SourceFile, Span
 from cspdiag.model.types import Real
 from cspdiag.proofs.answers.findings import diagnostics_of
+from tests.support.lacking import without_numpy
 from tests.support.verifying import RefusedError, answer_text, answers_to
 
 CASES = Path(__file__).parent / "cases"
@@ -114,7 +115,8 @@ def actual(case: Case, block: Block) -> str:
         except RefusedError as problem:
             return describe(problem.found)
         return "".join(f"{answer_text(answer)}{describe(diagnostics_of([answer]))}" for answer in answers)
-    checked = check_files(case.files, "float32" if block.name == "float32" else "double")
+    with without_numpy() if block.name == "no-numpy" else contextlib.nullcontext():
+        checked = check_files(case.files, "float32" if block.name == "float32" else "double")
     if block.language == "diagnostics":
         return describe(checked.report.diagnostics)
     if block.language == "composition":

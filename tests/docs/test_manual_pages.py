@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -11,16 +12,20 @@ import pytest
 from cspdiag.base import Diagnostic
 from cspdiag.base.files import resources
 from cspdiag.base.manual import FAMILIES, manual_page, manual_pages, read_page, reference
+from cspdiag.network.diagnostics.operators import NotDiscretized
 from cspdiag.network.diagnostics.precision import ChangedArgument, NotInSinglePrecision, RoundedWhole
 from cspdiag.proofs.answers.findings import diagnostics_of
 from tests.docs.kinds_of_diagnostics import kinds_of_diagnostics
 from tests.literate import CASES, MAIN, check_files, describe
+from tests.support.lacking import without_numpy
 from tests.support.verifying import RefusedError, answers_to
 
 KINDS = kinds_of_diagnostics()
 MANUAL = Path(resources.manual_page_file())
 OF_SINGLE_PRECISION = (ChangedArgument, NotInSinglePrecision, RoundedWhole)
 """Those that need ``--real float32``."""
+WITHOUT_NUMPY = (NotDiscretized,)
+"""Those of a browser."""
 by_code = pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.code)
 
 
@@ -91,7 +96,8 @@ def test_a_page_is_whole(kind: type[Diagnostic]) -> None:
 
 def found_in(program: str, kind: type[Diagnostic]) -> list[Diagnostic]:
     """What is wrong with a program, including proofs if the diagnostic is one of theirs."""
-    found = check_files({MAIN: program}, "float32" if kind in OF_SINGLE_PRECISION else "double").report.diagnostics
+    with without_numpy() if kind in WITHOUT_NUMPY else nullcontext():
+        found = check_files({MAIN: program}, "float32" if kind in OF_SINGLE_PRECISION else "double").report.diagnostics
     if found or not kind.code.startswith("E11"):
         return list(found)
     try:

@@ -9,6 +9,7 @@ import pytest
 
 from cspdiag import load
 from tests.studio.talking import JIWY, Talk, program
+from tests.support.lacking import without_numpy
 
 DELAY = """\
 /// Passes values on.
@@ -274,11 +275,15 @@ process Main {
 """
 
 
-def test_what_an_engine_lacks_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "numpy", None)
-    without = Talk()
-    assert without.ask("check", **program(HELD))["diagnostics"] == []
-    assert "numpy" in without.refused("compile", **program(HELD))
+def test_what_an_engine_cannot_discretize_is_marked_and_the_rest_is_drawn() -> None:
+    with without_numpy():
+        without = Talk()
+        (found,) = without.ask("check", **program(HELD))["diagnostics"]
+        assert (found["code"], found["place"]["start"]["line"]) == ("E0462", 3)
+        assert "E0462 discretizing `transfer` by zoh needs the package numpy" in without.refused(
+            "compile", **program(HELD)
+        )
+        assert without.ask("draw", **program(HELD), view="communication")["elements"]
 
 
 def test_an_error_of_the_program_is_named_in_one_sentence(talk: Talk) -> None:

@@ -85,3 +85,25 @@ class UnstableDiscretization(Diagnostic):
             f"this operator is stable, but discretized by euler at {self.sample} it has a pole at |z| = "
             f"{self.radius:.3g}"
         )
+
+
+@record
+class NotDiscretized(Diagnostic):
+    code = "E0462"
+    title = "an operator whose discretization needs numpy"
+
+    operator: str
+    method: str
+    package: str
+
+    @property
+    def message(self) -> str:
+        return (
+            f"discretizing `{self.operator}` by {self.method} needs the package {self.package}, which is not there, as "
+            "in a browser"
+        )
+
+    @property
+    def help(self) -> str:
+        simple = "choose the method tustin or backward" if self.operator == "transfer" else "write it with `transfer`"
+        return f"{simple}, which needs no package, or use cspdiag on a machine (`pip install cspdiag`)"

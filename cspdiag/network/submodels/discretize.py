@@ -9,6 +9,7 @@ python-control are imported only where they are needed.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
@@ -20,6 +21,13 @@ Polynomial = list[float]
 """Coefficients from the highest power down to the constant."""
 
 Matrix = Sequence[Sequence[float]]
+
+
+def missing_package(method: Method, *, is_statespace: bool) -> str | None:
+    """The package that a discretization needs and that is not there, as in a browser; None if nothing is missing."""
+    needs_numpy = is_statespace or method in ("zoh", "euler")
+    needed = {"numpy": needs_numpy, "control": method == "zoh"}
+    return next((name for name, is_needed in needed.items() if is_needed and find_spec(name) is None), None)
 
 
 def transfer_coefficients(

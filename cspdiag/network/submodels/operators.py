@@ -17,7 +17,13 @@ from typing import get_args
 from cspdiag.base import Report, Span
 from cspdiag.base.record import node
 from cspdiag.model.types import ArrayType, RealType, Type
-from cspdiag.network.diagnostics.operators import ImproperTransfer, UnstableDiscretization, ValueOutOfRange, WrongShape
+from cspdiag.network.diagnostics.operators import (
+    ImproperTransfer,
+    NotDiscretized,
+    UnstableDiscretization,
+    ValueOutOfRange,
+    WrongShape,
+)
 from cspdiag.network.ir.expression_parts import call, entry, minus, number, of_width, over, plus, times
 from cspdiag.network.ir.expressions import (
     ArrayElements,
@@ -28,7 +34,7 @@ from cspdiag.network.ir.expressions import (
     TunableValue,
 )
 from cspdiag.network.ir.network import SubmodelState
-from cspdiag.network.submodels.discretize import Method
+from cspdiag.network.submodels.discretize import Method, missing_package
 from cspdiag.network.submodels.draft import Draft, LinearOperator
 
 LONGEST_DELAY = 10_000
@@ -211,6 +217,8 @@ def _transfer(draft: Draft, use: Application, report: Report) -> Expression | No
     if zeros > poles:
         report.add(ImproperTransfer(use.span, zeros, poles))
         return None
+    if not _is_discretized(draft, use, report):
+        return None
     feedthrough = zeros == poles or use.method in ("tustin", "backward")
     first = 0 if feedthrough else 1
     names = [draft.unique(f"{use.base}_b{k}") for k in range(first, poles + 1)]
@@ -241,6 +249,8 @@ def _statespace(draft: Draft, use: Application, report: Report) -> Expression | 
     if problem:
         report.add(WrongShape(use.span, problem))
         return None
+    if not _is_discretized(draft, use, report):
+        return None
     (n, _), (_, m), (p, _), _ = (shape for shape in shapes if shape)
     kinds = [ArrayType(ArrayType(RealType(), columns), rows) for rows, columns in ((n, n), (n, m), (p, n), (p, m))]
     names = [draft.unique(f"{use.base}_{letter}") for letter in "abcd"]
@@ -268,6 +278,15 @@ def _statespace(draft: Draft, use: Application, report: Report) -> Expression | 
     if isinstance(use.type, ArrayType):
         return ArrayElements(type=use.type, values=tuple(outputs))
     return outputs[0]
+
+
+def _is_discretized(draft: Draft, use: Application, report: Report) -> bool:
+    """Whether coefficients can be computed, or are not needed as the period is not known; reports what is missing."""
+    lacking = missing_package(use.method, is_statespace=use.operator == "statespace")
+    if draft.sample is None or lacking is None:
+        return True
+    report.add(NotDiscretized(use.span, operator=use.operator, method=use.method, package=lacking))
+    return False
 
 
 def _remember(draft: Draft, use: Application, matrices: tuple[Expression, ...], names: list[str], *kinds: Type) -> None:
