@@ -149,13 +149,14 @@ export class RunPanel {
   async toggle(): Promise<void> {
     if (this.session.phase === "playing") {
       await this.session.pause();
-    } else if (await this.ready()) {
+    } else if (await this.ready(this.session.phase === "ended")) {
       await this.session.play(this.chosenSpeed);
     }
   }
 
   async forward(): Promise<void> {
-    if (await this.ready()) {
+    // Of a run that has ended, what is recorded after the instant that is shown comes next.
+    if (await this.ready(this.session.phase === "ended" && this.session.live)) {
       await this.session.step();
     }
   }
@@ -165,10 +166,9 @@ export class RunPanel {
     this.session.look(at);
   }
 
-  /** Whether a run is there that can continue: of a changed program, and after the end, a new one begins. */
-  private async ready(): Promise<boolean> {
+  /** Whether a run is there that can continue: of a changed program, and if it is `over`, a new one begins. */
+  private async ready(over: boolean): Promise<boolean> {
     const { session } = this;
-    const over = session.phase === "ended" && session.live;
     const same = this.ranVersion === this.workspace.version && session.realTime === this.realTime;
     if (session.started !== undefined && !over && same) {
       return true;

@@ -85,6 +85,20 @@ test("one can stop, step, go back and scrub", async () => {
   await page.close();
 });
 
+test("a run that has ended begins again, whatever instant of it is shown", async () => {
+  const page = await studio.open();
+  await page.locator("#ui-run-button").click();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.3);
+  await page.locator("#ui-stop").click();
+  await page.getByLabel("Instant of the run").fill("100");
+  await page.locator("#ui-step").click();
+  await page.waitForFunction(() => document.querySelector("#ui-time").textContent.startsWith("0.150 s of"));
+  await page.getByRole("button", { name: "Again" }).click();
+  await page.getByRole("button", { name: "Pause" }).waitFor();
+  await page.waitForFunction(() => /^0\.\d+ s$/.test(document.querySelector("#ui-time").textContent));
+  await page.close();
+});
+
 test("a deadlock is seen as it happens, with the processes that wait for each other", async () => {
   const page = await studio.open();
   await page.getByLabel("Speed").selectOption("5");
