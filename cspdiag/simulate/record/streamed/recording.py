@@ -60,6 +60,9 @@ class Recording:
         listener: Listener | None = None,
         background: bool = False,
     ) -> None:
+        # Now, as the first values come while the run is against the clock, which this would stop for some 50 ms.
+        import numpy  # noqa: F401
+
         self.head = head
         self.problem: OSError | None = None
         """Why the file is not whole; None if it is."""
