@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from cspdiag.base import Diagnostic, Edit
 from cspdiag.base.edits import removing
 from cspdiag.base.record import record
@@ -59,9 +61,14 @@ class ImportCycle(Diagnostic):
 
     @property
     def message(self) -> str:
-        if len(self.cycle) == 2:
-            return f"{self.cycle[0]} imports itself"
-        return f"these files import each other: {' → '.join(self.cycle)}"
+        names = [self._shown(name) for name in self.cycle]
+        if len(names) == 2:
+            return f"{names[0]} imports itself"
+        return f"these files import each other: {' → '.join(names)}"
+
+    def _shown(self, name: str) -> str:
+        """The name of a file, from the folder of this one if it is absolute, as in editors."""
+        return os.path.relpath(name, os.path.dirname(self.span.file)) if os.path.isabs(name) else name
 
     @property
     def help(self) -> str:
