@@ -27,6 +27,7 @@ from cspdiag.lsp.features import (
     signature,
 )
 from cspdiag.lsp.garbage import Garbage
+from cspdiag.lsp.parameters import AssertionParams, DiagramParams, ProgramParams
 from cspdiag.lsp.pictures.process import DrawingError
 from cspdiag.lsp.proving import ProvingError
 from cspdiag.lsp.server import CspdiagServer
@@ -225,12 +226,13 @@ def _lenses(ls: CspdiagServer, params: types.CodeLensParams) -> list[types.CodeL
 
 
 @server.command(lenses.VERIFY)
-async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
+async def _verify(ls: CspdiagServer, *sent: object) -> str | None:
     """Prove an assertion; the answer is the title of its lens, and a diagnostic if it fails."""
-    view = ls.view(uri)
+    params = AssertionParams.of(sent)
+    view = ls.view(params.uri)
     if view is None:
         return None
-    assertion = lenses.assertion_at(view, line)
+    assertion = lenses.assertion_at(view, params.line)
     if assertion is None:
         return None
     # While it is proved the text may change, and with it the places in the tree.
@@ -244,14 +246,14 @@ async def _verify(ls: CspdiagServer, uri: str, line: int) -> str | None:
     except asyncio.CancelledError:
         return None
     view.answers.update({each.start: each for each in found})
-    ls.answered(uri, view, asserted, found)
+    ls.answered(params.uri, view, asserted, found)
     return "\n".join(each.title for each in found)
 
 
 @server.feature("cspdiag/program")
-def _program(ls: CspdiagServer, params: Any) -> dict[str, Any] | None:
+def _program(ls: CspdiagServer, sent: object) -> dict[str, Any] | None:
     """The files of an open program, by URI, its bodies included, and the fingerprint that its lenses have."""
-    view = ls.view(params.textDocument.uri)
+    view = ls.view(ProgramParams.of(sent).uri)
     if view is None:
         return None
     names = (*view.files, *(path for path, digest in view.bodies.items() if digest is not None))
@@ -259,25 +261,23 @@ def _program(ls: CspdiagServer, params: Any) -> dict[str, Any] | None:
 
 
 @server.feature("cspdiag/diagram")
-async def _diagram(ls: CspdiagServer, params: Any) -> dict[str, Any] | None:
+async def _diagram(ls: CspdiagServer, sent: object) -> dict[str, Any] | None:
     """A diagram of an open program, as docs/editors.md describes it."""
-    uri = params.textDocument.uri
-    view = ls.view(uri)
+    params = DiagramParams.of(sent)
+    view = ls.view(params.uri)
     if view is None:
         return {"problem": "the file is not open, or too large"}
-    wanted = {name: getattr(params, name, None) for name in ("process", "which", "format", "scheme")}
-    position = getattr(params, "position", None)
-    offset = None if position is None else ls.session.positions.offset(view.main, position)
+    position = params.position
     request = {
         "main": view.main.name,
         "texts": view.files,
         "encoding": ls.session.positions.encoding,
-        "offset": offset,
-        **{name: value for name, value in wanted.items() if value is not None},
+        "offset": None if position is None else ls.session.positions.offset(view.main, position),
+        **params.wanted,
     }
     try:
         # A picture that is wanted as a file takes the place of no other.
-        answer = await ls.drawer.draw(f"{uri} {wanted['format'] or ''}", request)
+        answer = await ls.drawer.draw(f"{params.uri} {params.wanted.get('format', '')}", request)
     except DrawingError as problem:
         return {"problem": str(problem)}
     for part in (answer or {}).get("parts", ()):

@@ -11,7 +11,7 @@ from typing import Any
 from lsprotocol import types
 from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
-from pygls.protocol import LanguageServerProtocol, lsp_method
+from pygls.protocol import JsonRPCRequestMessage, LanguageServerProtocol, lsp_method
 
 from cspdiag import __version__
 from cspdiag.editing.proved import Proved
@@ -20,6 +20,7 @@ from cspdiag.lsp.documents import MAX_CHARACTERS, Document, name_of
 from cspdiag.lsp.features import diagnostics
 from cspdiag.lsp.features.lenses import asserted
 from cspdiag.lsp.garbage import Garbage
+from cspdiag.lsp.parameters import OWN
 from cspdiag.lsp.pictures.process import Drawer
 from cspdiag.lsp.progress import with_progress
 from cspdiag.lsp.proving import TIME_LIMIT, prove
@@ -50,8 +51,14 @@ logging.getLogger("pygls.protocol.json_rpc").addFilter(_WithoutOrdinary())
 
 class _Protocol(LanguageServerProtocol):
     """The protocol without the texts that pygls keeps: it takes form feeds and other characters for ends of lines,
-    which are none in the protocol.
+    which are none in the protocol. The parameters of the server's own requests stay as they were sent.
     """
+
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        """A message from an object of JSON; what is no message stays as it is."""
+        if "jsonrpc" in data and "id" in data and data.get("method") in OWN:
+            return JsonRPCRequestMessage(data["id"], data["method"], data["jsonrpc"], data.get("params"))
+        return super().structure_message(data)
 
     @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
     def lsp_text_document__did_open(self, params: types.DidOpenTextDocumentParams) -> Iterator[object]:
