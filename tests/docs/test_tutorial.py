@@ -50,6 +50,18 @@ def test_the_compiler_reports_what_the_text_shows(
     assert code == (shown is not None)
 
 
+def test_the_mistake_is_shown_where_it_is_in_the_whole_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    correct = "kp: double<V/m> = 15<V/m>"
+    whole = program("first/axis.csp")
+    assert whole.count(correct) == 1
+    monkeypatch.chdir(tmp_path)
+    Path("axis.csp").write_text(whole.replace(correct, "kp: double = 15"), encoding="utf-8")
+    main(["check", "axis.csp"])
+    assert "".join(capsys.readouterr()) in [block.text for block in blocks() if block.language == "text"]
+
+
 @pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
 def test_program_is_in_the_standard_format(name: str) -> None:
     tree = parse(SourceFile(name="axis.csp", text=program(name)), Report())
