@@ -35,7 +35,7 @@ class ManualPage:
     fixed: str
 
     @property
-    def before(self) -> str:
+    def refused_heading(self) -> str:
         """The heading of the program that triggers it: a warning refuses nothing."""
         return "Refused" if self.code.startswith("E") else "Warned about"
 
@@ -43,14 +43,22 @@ class ManualPage:
     def text(self) -> str:
         """The page for a terminal."""
         refused, fixed = _indented(self.refused), _indented(self.fixed)
-        parts = [f"{self.code}: {self.title}", self.meaning, self.reason, f"{self.before}:", refused, "Fixed:", fixed]
+        parts = [
+            f"{self.code}: {self.title}",
+            self.meaning,
+            self.reason,
+            f"{self.refused_heading}:",
+            refused,
+            "Fixed:",
+            fixed,
+        ]
         return "\n\n".join(parts) + "\n"
 
     @property
     def markdown(self) -> str:
         """The page below a heading, with the programs in fenced blocks."""
         refused, fixed = f"```csp\n{self.refused}```", f"```csp\n{self.fixed}```"
-        return "\n\n".join([self.meaning, self.reason, f"{self.before}:", refused, "Fixed:", fixed]) + "\n"
+        return "\n\n".join([self.meaning, self.reason, f"{self.refused_heading}:", refused, "Fixed:", fixed]) + "\n"
 
 
 def manual_page(code: str) -> ManualPage:

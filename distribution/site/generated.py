@@ -59,7 +59,7 @@ def _diagnostic(page: Page, manual: ManualPage, linked: Callable[[Page, str], st
     return "\n".join(
         (
             f"# {manual.code}: {manual.title}\n\n{linked(page, manual.meaning)}\n\n{linked(page, manual.reason)}\n",
-            f"## {manual.before}\n\n{fenced(manual.refused, 'csp')}{play_link(page, refused, 'program.csp')}",
+            f"## {manual.refused_heading}\n\n{fenced(manual.refused, 'csp')}{play_link(page, refused, 'program.csp')}",
             f"## What the compiler says\n\n{fenced(f'$ {command}{chr(10)}{printed}', 'text')}",
             f"## Fixed\n\n{fenced(manual.fixed, 'csp')}{play_link(page, fixed, 'program.csp')}",
         )
