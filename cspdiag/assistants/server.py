@@ -15,7 +15,6 @@ from pydantic import Field
 
 from cspdiag.assistants.arguments import PlainServer, strict_tool
 from cspdiag.assistants.commands import PATIENCE, Finished, command, shortened
-from cspdiag.assistants.figures import Figures, figures_of
 from cspdiag.assistants.folder import Folder, OutsideError
 from cspdiag.base.files.resources import language_page
 
@@ -58,8 +57,18 @@ class Answers(TypedDict):
     answers: list[dict[str, Any]]
 
 
+class Figures(TypedDict, total=False):
+    """How many values passed a port and how often they changed; of numbers the least and the greatest."""
+
+    values: int
+    changes: int
+    least: float | str
+    greatest: float | str
+    last: bool | float | str
+
+
 class RunResult(TypedDict):
-    """How a run ended, and the figures of each external port."""
+    """How a run ended, and the figures of each external port, as `cspdiag run --json` writes them."""
 
     successful: bool
     summary: str
@@ -171,23 +180,20 @@ class _Tools:
         name = self._program(file)
         chosen = () if environment is None else ("--environment", environment)
         with TemporaryDirectory() as folder:
-            recording, picture = Path(folder, "run.csv"), Path(folder, "run.png")
+            ended, picture = Path(folder, "run.json"), Path(folder, "run.png")
             done = await self._command(
-                "run", "--for", duration.replace(" ", ""), *chosen, *_options(None, settings), "--record",
-                str(recording), *(("--plot", str(picture)) if plot else ()), "--", name, seconds=seconds,
-                may_fail=True,
+                "run", "--for", duration.replace(" ", ""), *chosen, *_options(None, settings), "--json",
+                str(ended), *(("--plot", str(picture)) if plot else ()), "--", name, seconds=seconds, may_fail=True,
             )  # fmt: skip
-            if done.code == USAGE:
-                raise ToolError(shortened(done.err))
             lines = [_without_written(done)]
             if done.code is None:
                 lines.append(f"It was ended because it took more than {seconds:g} s.")
             if done.out:
                 lines.append(f"The program printed:\n{done.out}")
             text = shortened("\n".join(lines))
-            if done.code == 1 and not recording.exists() and _NOTHING_RECORDED not in done.err:
-                raise ToolError(text)
-            ports = figures_of(recording) if recording.exists() else {}
+            if done.code is not None and not ended.exists():
+                raise ToolError(text)  # It was not run.
+            ports = json.loads(ended.read_text(encoding="utf-8"))["ports"] if ended.exists() else {}
             result = RunResult(successful=done.code == 0, summary=text, ports=ports)
             return _result(text, result, picture if picture.exists() else None)
 
@@ -206,14 +212,15 @@ class _Tools:
         name = self._program(file)
         chosen = () if process is None else ("--process", process)
         with TemporaryDirectory() as folder:
-            picture = Path(folder, "drawing.png")
+            # In a folder a picture has the name of what it shows.
             done = await self._command(
-                "draw", "--check", "--scale", "1.5", "--diagram", diagram, "--depth", str(depth), *chosen, "-o",
-                str(picture), "--", name, may_fail=True,
+                "draw", "--check", "--scale", "1.5", "--diagram", diagram, "--depth", str(depth), *chosen, "--format",
+                "png", "-o", f"{folder}/", "--", name, may_fail=True,
             )  # fmt: skip
-            if not picture.exists():
+            picture = next(Path(folder).glob("*.png"), None)
+            if picture is None:
                 raise ToolError(shortened(done.err))
-            shows = f"{'the outermost process' if process is None else f'`{process}`'} of {name}"
+            shows = f"`{picture.stem}` of {name}"
             return _result(f"This shows {shows}.", Picture(shows=shows), picture)
 
     async def explain(
@@ -256,8 +263,6 @@ class _Tools:
         return done
 
 
-USAGE = 2
-"""The exit code of a command that cannot do what it is asked for."""
 _VERDICTS = ("proved", "refuted", "unknown")
 
 
@@ -266,14 +271,10 @@ def _options(process: str | None, settings: dict[str, str | float] | None) -> li
     return chosen + [word for name, value in (settings or {}).items() for word in ("--set", f"{name}={value}")]
 
 
-_NOTHING_RECORDED = "cspdiag: nothing was recorded"
-"""What `run` says of a program that has run and failed before its ports had values."""
-
-
 def _without_written(done: Finished) -> str:
-    """What a command says, except which files it has written or not: nobody sees those."""
+    """What a command says, except which files it has written: nobody sees those."""
     lines = done.err.splitlines()
-    return "\n".join(line for line in lines if not line.strip().startswith(("wrote ", _NOTHING_RECORDED)))
+    return "\n".join(line for line in lines if not line.strip().startswith("wrote "))
 
 
 def _json(text: str, done: Finished) -> list[dict[str, Any]]:

@@ -65,6 +65,30 @@ process Both {
   composition { one || two }
 }
 """
+PRESSED = """\
+process Desk {
+  in button : bool
+  in level : int
+  communication {
+    var pressed : bool
+    var read : int
+  }
+  composition {
+    mu (button ? pressed -> skip [] level ? read -> skip)
+  }
+}
+submodel Hand {
+  out button : bool
+  out level : int
+  button = time > 2 s
+  level = if time > 4 s then 7 else 3
+}
+environment Bench for Desk {
+  hand : Hand
+  hand.button -> button
+  hand.level -> level
+}
+"""
 
 
 @pytest.fixture
@@ -116,11 +140,24 @@ def test_programs_are_checked_proved_and_run(folder: Path) -> None:
         assert structured(ran)["successful"]
         assert "reached the time limit at 20 ms" in structured(ran)["summary"]
         # At the end the output is released.
-        assert structured(ran)["ports"]["taken"] == {"least": 0.0, "greatest": 38.0, "last": 0.0, "changes": 19}
+        taken = {"values": 21, "changes": 21, "least": 0, "greatest": 40, "last": 0}
+        assert structured(ran)["ports"]["taken"] == taken
         stuck = structured(await client.call_tool("run", {"file": "stuck.csp"}))
         assert not stuck["successful"]
         assert "Both.one waits to read" in stuck["summary"]
         assert "recorded" not in stuck["summary"]
+
+    with_client(folder, use)
+
+
+def test_what_came_once_is_one_value(folder: Path) -> None:
+    """And truth values are those of JSON."""
+    (folder / "pressed.csp").write_text(PRESSED)
+
+    async def use(client: Client) -> None:
+        ran = structured(await client.call_tool("run", {"file": "pressed.csp", "duration": "6 s", "plot": False}))
+        assert ran["ports"]["button"] == {"values": 1, "changes": 1, "last": True}
+        assert ran["ports"]["level"] == {"values": 1, "changes": 1, "least": 7, "greatest": 7, "last": 7}
 
     with_client(folder, use)
 
@@ -219,6 +256,8 @@ def test_pictures_are_drawn(folder: Path) -> None:
         assert [len(pictures(result)) for result in (drawn, plotted)] == [1, 1]
         assert pictures(drawn)[0].mime_type == "image/png"
         assert pictures(drawn)[0].data.startswith("iVBORw0KGgo")
+        assert structured(drawn)["shows"] == "`Both` of stuck.csp"
+        assert structured(await client.call_tool("draw", {"file": "stuck.csp"}))["shows"] == "`Both` of stuck.csp"
 
     with_client(folder, use)
 

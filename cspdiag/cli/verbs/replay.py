@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from cspdiag.verify.replay.result import Replay
     from cspdiag.verify.runs.trace import Trace
 
-_UNFIT = ("environment", "until", "record", "trace", "plot")
+_UNFIT = ("environment", "until", "record", "trace", "plot", "json")
 
 
 def run(arguments: Namespace) -> int:

@@ -32,6 +32,7 @@ EXAMPLE = (
 _ENDINGS = {
     "trace": (".json", ".jsonl"),
     "plot": (".svg", ".png", ".pdf"),
+    "json": (".json",),
 }
 
 
@@ -97,6 +98,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--trace", type=file_path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
     )
     parser.add_argument("--plot", type=file_path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
+    parser.add_argument(
+        "--json", type=file_path, metavar="FILE",
+        help="how the run ended, and for each external port the number of values and of their changes, the least, the "
+        "greatest and the last one",
+    )  # fmt: skip
     parser.add_argument(
         "--draw-deadlock", type=file_path, metavar="FILE",
         help="if the run ends in a deadlock: the waiting processes, as .svg, .png or .pdf",

@@ -73,8 +73,17 @@ def _requested_files(
         yield arguments.trace, result.to_trace
     if arguments.plot is not None:
         yield arguments.plot, result.plot
+    if arguments.json is not None:
+        yield arguments.json, lambda path: _write_json(path, result)
     if arguments.draw_deadlock is not None and result.outcome.deadlock is not None:
         yield arguments.draw_deadlock, lambda path: _draw_deadlock(path, result, program)
+
+
+def _write_json(path: Path | str, result: Run) -> None:
+    from cspdiag.base.files.whole import write_whole
+    from cspdiag.simulate.result_json import result_text
+
+    write_whole(Path(path), result_text(result).encode())
 
 
 def _finish(recording: Recording, result: Run) -> None:

@@ -32,7 +32,7 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
     from cspdiag.simulate.record.streamed.parameters import record_parameters
     from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
 
-    outputs = (arguments.record, arguments.serve, arguments.trace, arguments.plot)
+    outputs = (arguments.record, arguments.serve, arguments.trace, arguments.plot, arguments.json)
     recorder = Recorder(
         communications=any(path is not None for path in outputs), ports=_recorded_ports(arguments, network)
     )
@@ -65,7 +65,8 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
 def _recorded_ports(arguments: Namespace, network: CoreNetwork) -> dict[str, Type] | None:
     """The external ports, if nothing but their recording is wanted of a run of generated code."""
     recorded = arguments.record is not None or arguments.serve is not None
-    if not recorded or arguments.trace is not None or arguments.plot is not None or arguments.level == "reference":
+    whole = any(path is not None for path in (arguments.trace, arguments.plot, arguments.json))
+    if not recorded or whole or arguments.level == "reference":
         return None
     return {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
@@ -184,6 +185,6 @@ def _observed(run: RequestedRun) -> Observed:
     """What a native program reports."""
     if run.arguments.trace is not None:
         return "all"
-    if run.probed:
+    if run.probed or run.arguments.json is not None:
         return "ports"
     return "signals" if run.records else "none"
