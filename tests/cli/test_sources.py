@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -55,6 +56,30 @@ def test_a_named_pipe_on_the_command_line_is_refused(folder: Path, arguments: tu
     assert (result.returncode, result.stdout) == (2, "")
     named = "link.csp" if "link.csp" in arguments else "pipe.csp"
     assert result.stderr.splitlines()[-1] == f"cspdiag: {named}: it is a named pipe, not a file"
+
+
+@pytest.mark.parametrize("options", [("check", "main.csp"), ("verify",), ("verify", "--timing")], ids=" ".join)
+@pytest.mark.parametrize("format_", ["json", "sarif", "github", "junit"])
+def test_a_program_that_cannot_be_read_is_in_reports(folder: Path, options: tuple[str, ...], format_: str) -> None:
+    (folder / "latin.csp").write_bytes("// Régulateur\n".encode("latin-1"))
+    result = cspdiag(folder, *options, "latin.csp", "--format", format_)
+    assert result.returncode == 2
+    reason = "not UTF-8 text (byte 0xe9 at offset 4)"
+    assert result.stderr == f"cspdiag: latin.csp: {reason}\n"
+    assert f"cannot read this file: {reason}" in result.stdout
+    assert "E0120" in result.stdout
+    if format_ == "junit":
+        suites = {suite.get("name"): suite.get("failures") for suite in ElementTree.fromstring(result.stdout)}
+        assert suites == ({"main.csp": "0"} if "main.csp" in options else {}) | {"latin.csp": "1"}
+
+
+def test_a_missing_program_is_in_the_json_of_proofs(folder: Path) -> None:
+    result = cspdiag(folder, "verify", "missing.csp", "--json", "proofs.json")
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr.splitlines()[-1] == "cspdiag: missing.csp: no such file or directory"
+    (found,) = json.loads((folder / "proofs.json").read_text())
+    assert (found["code"], found["file"]) == ("E0120", "missing.csp")
+    assert found["message"] == "cannot read this file: no such file or directory"
 
 
 def test_an_import_of_a_named_pipe_is_refused_at_its_place(folder: Path) -> None:

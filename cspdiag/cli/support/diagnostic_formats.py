@@ -7,9 +7,22 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.span import SourceFile, Span
+from cspdiag.cli.support.failure import reason_of
 from cspdiag.cli.support.terminal import put, wants_colour, write_out
 
 FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
+REPORTS = frozenset({"json", "sarif", "github", "junit"})
+"""Formats for other programs, which see only what is in the report."""
+
+
+def unreadable(problem: OSError, name: str) -> Diagnostic:
+    """That a file of the command line cannot be read, for a report; people read it as the failure of the command."""
+    from cspdiag.model.diagnostics.imports import UnreadableFile
+
+    missing = isinstance(problem, FileNotFoundError)
+    place = Span(SourceFile(name=name, text=""), 0, 0)
+    return UnreadableFile(place, path=None, file=name, missing=missing, reason=reason_of(problem))
 
 
 def rendered_diagnostics(

@@ -50,13 +50,18 @@ def described(problem: OSError) -> str:
     """A file that cannot be read or written, with the reason, in one line."""
     if isinstance(problem, FileNotFoundError) and _is_in_removed_folder():
         return "the present folder does not exist any more"
-    reason = problem.strerror or str(problem)
-    reason = f"{reason[:1].lower()}{reason[1:]}"
+    reason = reason_of(problem)
     if problem.filename is None:
         return reason
     from cspdiag.base.render.snippet import on_one_line
 
     return f"{on_one_line(problem.filename)}: {reason}"
+
+
+def reason_of(problem: OSError) -> str:
+    """Why a file cannot be read or written, as a part of a sentence."""
+    reason = problem.strerror or str(problem)
+    return f"{reason[:1].lower()}{reason[1:]}"
 
 
 def _is_in_removed_folder() -> bool:

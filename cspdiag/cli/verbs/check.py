@@ -10,7 +10,7 @@ from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.server.memory import findings
-from cspdiag.cli.support.diagnostic_formats import FORMATS, show_findings
+from cspdiag.cli.support.diagnostic_formats import FORMATS, REPORTS, show_findings, unreadable
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError, described
 from cspdiag.cli.support.numbers import add_real
 from cspdiag.cli.support.terminal import say, write_out
@@ -74,11 +74,13 @@ def run(arguments: Namespace) -> int:
         from cspdiag.cli.support.checking.fixing import fix_files, require_free_output
 
         require_free_output(arguments)
-    sources, unreadable = _read(arguments.files)
+    sources, problems = _read(arguments.files)
     if fixes:
         code = fix_files(sources, arguments)
     else:
         found = Report()
+        for name, problem in problems.items() if arguments.format in REPORTS else ():
+            found.add(unreadable(problem, name))
         for source in sources:
             for diagnostic in findings(source, arguments.real):
                 found.add(diagnostic)
@@ -91,8 +93,8 @@ def run(arguments: Namespace) -> int:
             which = "it" if len(found.diagnostics) == 1 else f"{count} of them"
             say(f"--fix corrects {which}, --diff shows how")
         code = UNSUCCESSFUL if found.has_errors else FINE
-    if unreadable:
-        raise UsageError("; ".join(unreadable))
+    if problems:
+        raise UsageError("; ".join(map(described, problems.values())))
     return code
 
 
@@ -112,12 +114,12 @@ def _show_statistics(diagnostics: Sequence[Diagnostic], format_: str) -> None:
     write_out(as_json(diagnostics) if format_ == "json" else as_text(diagnostics))
 
 
-def _read(names: Sequence[str]) -> tuple[list[SourceFile], list[str]]:
-    """What could be read, and a sentence for each file that could not."""
-    sources, unreadable = [], []
+def _read(names: Sequence[str]) -> tuple[list[SourceFile], dict[str, OSError]]:
+    """What could be read, and why each other file could not."""
+    sources, problems = [], {}
     for name in dict.fromkeys(names):
         try:
             sources.append(read_source(name))
         except OSError as problem:
-            unreadable.append(described(problem))
-    return sources, unreadable
+            problems[name] = problem
+    return sources, problems

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from cspdiag.arguments import LONGEST_LIMIT
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.standard_streams import standard_error
-from cspdiag.cli.support.diagnostic_formats import FORMATS, rendered_diagnostics
+from cspdiag.cli.support.diagnostic_formats import FORMATS, REPORTS, rendered_diagnostics, unreadable
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.output import replace_text
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
@@ -99,6 +99,18 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Prove, and report; the exit code says whether everything was proved."""
+    try:
+        return _run(arguments)
+    except OSError as problem:
+        if problem.filename == arguments.file:
+            found = [unreadable(problem, arguments.file)]
+            if arguments.format in REPORTS:
+                refused(found, arguments)
+            _write_json(arguments, rendered_diagnostics(found, "json", [], colour=False)[0])
+        raise
+
+
+def _run(arguments: Namespace) -> int:
     if arguments.wcet_factor is not None and arguments.wcet_from is None:
         raise UsageError("--wcet-factor: multiplies measured times: give them with --wcet-from FILE")
     if arguments.timing or arguments.gantt is not None or arguments.wcet_from is not None:

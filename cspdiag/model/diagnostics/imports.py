@@ -15,11 +15,12 @@ class ImportFailure(Diagnostic):
 
 
 @record
-class UnreadableImport(ImportFailure):
+class UnreadableFile(ImportFailure):
     code = "E0120"
-    title = "an import that cannot be read"
+    title = "a file that cannot be read"
 
-    path: str
+    path: str | None
+    """As it is written in the import; None for a file that nothing imports."""
     file: str
     missing: bool
     """Whether there is no such file."""
@@ -27,10 +28,14 @@ class UnreadableImport(ImportFailure):
 
     @property
     def message(self) -> str:
+        if self.path is None:
+            return f"cannot read this file: {self.reason}"
         return f'cannot import "{self.path}": {self.reason}'
 
     @property
-    def help(self) -> str:
+    def help(self) -> str | None:
+        if self.path is None:
+            return None if self.missing else "programs are files with UTF-8 text"
         if self.missing:
             return f"paths are relative to the importing file; looked for {self.file}"
         return f"the file is {self.file}"

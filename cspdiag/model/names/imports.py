@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 from cspdiag.base import Report, SourceFile
 from cspdiag.base.files import resources
-from cspdiag.model.diagnostics.imports import ImportCycle, UnknownLibrary, UnreadableImport
+from cspdiag.model.diagnostics.imports import ImportCycle, UnknownLibrary, UnreadableFile
 from cspdiag.syntax import ast
 from cspdiag.syntax.on_demand import parsed
 
@@ -71,5 +71,5 @@ def _open(name: str, statement: ast.Import, read: Callable[[str], SourceFile], r
         reason = "it is not a text file"
     except ValueError as error:
         reason = str(error)
-    report.add(UnreadableImport(statement.span, path=statement.path or "", file=name, missing=missing, reason=reason))
+    report.add(UnreadableFile(statement.span, path=statement.path or "", file=name, missing=missing, reason=reason))
     return None
