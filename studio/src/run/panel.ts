@@ -244,11 +244,11 @@ export class RunPanel {
 
   private showNote(): void {
     const { session } = this;
-    const { ended, problem } = session;
+    const { ended, problem, refused } = session;
     const stale = session.started !== undefined && this.ranVersion !== this.workspace.version;
     const missed = Object.entries(session.missed).map(([name, count]) => `${name} (${count})`);
     const { stalled, standsStill } = session;
-    const key = [problem, ended?.text, ended?.reason, stale, missed.join(), standsStill, stalled].join("|");
+    const key = [problem, refused, ended?.text, ended?.reason, stale, missed.join(), standsStill, stalled].join("|");
     if (this.note.dataset["key"] === key) {
       return;
     }
@@ -277,9 +277,9 @@ export class RunPanel {
     } else if (stale) {
       this.note.append("This is a run of the text as it was. ", button("Run the new text", () => void this.again()));
     }
-    if (missed.length > 0) {
+    const late = missed.length > 0 ? `Samples that came too late to be taken: ${missed.join(", ")}.` : "";
+    for (const text of [refused, late].filter((each) => each !== "")) {
       this.note.classList.add("bad");
-      const text = `Samples that came too late to be taken: ${missed.join(", ")}.`;
       this.note.append(Object.assign(document.createElement("p"), { textContent: text }));
     }
     this.note.hidden = this.note.childNodes.length === 0;

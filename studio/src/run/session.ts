@@ -16,7 +16,10 @@ export class Session {
   started: StartResult | undefined;
   recording = new Recording([]);
   ended: Ended | undefined;
+  /** Why a request of this run was refused. Of a run that has ended, how it has ended says that. */
   problem = "";
+  /** The last change of a parameter that the program has refused. */
+  refused = "";
   /** How many samples of inputs were missed until now. */
   missed: Record<string, number> = {};
   /** Whether frames have arrived for some time in which time has not passed. */
@@ -167,6 +170,7 @@ export class Session {
     this.phase = "idle";
     this.looked = undefined;
     this.problem = "";
+    this.refused = "";
     this.missed = {};
     this.standsStill = false;
     this.sent.clear();
@@ -214,8 +218,10 @@ export class Session {
     try {
       await request();
     } catch (problem) {
-      this.problem = inWords(problem);
-      this.changed();
+      if (this.ended === undefined) {
+        this.problem = inWords(problem);
+        this.changed();
+      }
     }
   }
 
@@ -235,7 +241,7 @@ export class Session {
       this.recording.add(frame);
       this.missed = frame.missed ?? {};
       const refused = frame.refused?.at(-1);
-      this.problem = refused === undefined ? this.problem : `${refused.parameter}: ${refused.text}`;
+      this.refused = refused === undefined ? this.refused : `${refused.parameter}: ${refused.text}`;
       this.changed();
     }
   }
@@ -243,6 +249,7 @@ export class Session {
   private end(ended: Ended): void {
     if (ended.session === this.started?.session) {
       this.ended = ended;
+      this.problem = "";
       this.standsStill = false;
       this.phase = "ended";
       this.recording.end(ended.at ?? this.recording.now, ended.waiting ?? []);

@@ -1,22 +1,28 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import type { Engine } from "../../src/engine/engine";
+import { type Engine, EngineError } from "../../src/engine/engine";
 import type { Frame } from "../../src/engine/messages";
 import { Session } from "../../src/run/session";
 
 const STARTED = { session: "1", signals: [], processes: [], channels: [] };
 
-/** A session of an engine that answers at once, with the clock of the page. */
-function made() {
+/** A session of an engine that answers at once, with the clock of the page; it refuses what `refuses` says. */
+function made(refuses: (method: string) => void = () => undefined) {
   const clock = { now: 0 };
   mock.method(performance, "now", () => clock.now);
-  let show: (frame: Frame) => void = () => undefined;
+  const listeners = new Map<string, (params: object) => void>();
   const engine = {
-    request: (method: string) => Promise.resolve(method === "start" ? STARTED : {}),
-    on: (name: string, listener: typeof show) => (show = name === "frame" ? listener : show),
+    request: (method: string) => {
+      refuses(method);
+      return Promise.resolve(method === "start" ? STARTED : {});
+    },
+    on: (name: string, listener: (params: object) => void) => listeners.set(name, listener),
   } as unknown as Engine;
   const session = new Session(engine);
-  return { clock, session, frame: (to: number) => show({ session: "1", from: to, to, signals: {} }) };
+  const tell = (name: string, params: object) => listeners.get(name)?.({ session: "1", ...params });
+  const frame = (to: number, more: Partial<Frame> = {}) => tell("frame", { from: to, to, signals: {}, ...more });
+  const end = (text: string) => tell("ended", { at: 0, reason: "fault", text });
+  return { clock, session, frame, end };
 }
 
 test("a run of which nothing arrives is said to be stalled, by its process or by the server", async () => {
@@ -57,4 +63,34 @@ test("a run of another page, which may have paused it, is not said to be stalled
   await session.follow(STARTED);
   clock.now = 60_000;
   assert.equal(session.stalled, undefined);
+});
+
+test("a run that fails before it is played says why, not that it has ended", async () => {
+  const { session, end } = made((method) => {
+    if (method === "play") {
+      end("the driver keyboard failed to open");
+      throw new EngineError("the run has ended", "start it again");
+    }
+  });
+  await session.start({ files: {}, main: "" }, "", "", true);
+  await session.play(1);
+  assert.equal(session.phase, "ended");
+  assert.equal(session.ended?.text, "the driver keyboard failed to open");
+  assert.equal(session.problem, "");
+});
+
+test("how a run ends hides neither a refused change nor is hidden by a refused request", async () => {
+  const { session, frame, end } = made((method) => {
+    if (method === "pause") {
+      throw new EngineError("another page controls the program");
+    }
+  });
+  await session.start({ files: {}, main: "" }, "", "", false);
+  await session.play(1);
+  await session.pause();
+  assert.equal(session.problem, "another page controls the program");
+  frame(1, { refused: [{ t: 1, parameter: "gain", text: "must be positive" }] });
+  end("division by zero");
+  assert.equal(session.problem, "");
+  assert.equal(session.refused, "gain: must be positive");
 });
