@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from cspdiag.proofs.answers.answer import Answer
     from cspdiag.proofs.answers.question import Question
     from cspdiag.settings import Overrides
-    from cspdiag.syntax.ast import Parameter, SourceTree
+    from cspdiag.syntax.ast import SourceTree
 
 Reader = Callable[[str], SourceFile]
 """Reads an imported file; raises OSError if it cannot."""
@@ -78,56 +78,51 @@ class Built:
 @node
 class ProofObligations:
     """A program and what is to be proved of it; ``networks`` has the networks of its processes, by name, as far as they
-    were lowered. ``proved`` are the questions that fewer elements of its arrays have answered. Without questions
-    ``nothing`` says why there are none, if the program has no errors.
+    were lowered. ``answers`` are those that need no states: fewer elements of the arrays have proved them, or a process
+    has no value for a parameter. Without questions ``nothing`` says why there are none, if the program has no errors.
     """
 
     checked: Checked
     questions: tuple[Question, ...]
     networks: dict[str, CoreNetwork]
     parameters: Mapping[str, Value]
-    proved: Mapping[Question, Answer] = EMPTY
+    answers: dict[Question, Answer]
     nothing: str = ""
 
     def network(self, process: str) -> CoreNetwork | None:
-        """The network of a process as the outermost one; None if lowering it reports an error."""
-        from cspdiag.network.lower.program import MissingValueError
-
+        """The network of a process as the outermost one; None if lowering it reports an error. Raises
+        MissingValueError.
+        """
         if process not in self.networks:
             is_specification = process in {question.specification for question in self.questions}
             is_asked = process in {question.process for question in self.questions}
-            try:
-                network = compile_network(
-                    self.checked,
-                    top=process,
-                    overrides=self.parameters,
-                    surroundings="specification" if is_specification and not is_asked else "environment",
-                )
-            except MissingValueError as problem:
-                if not self._report_missing(process, problem.parameters):
-                    raise
-                return None
+            network = compile_network(
+                self.checked,
+                top=process,
+                overrides=self.parameters,
+                surroundings="specification" if is_specification and not is_asked else "environment",
+            )
             if network is None:
                 return None
             self.networks[process] = network
         return self.networks[process]
 
     def lower(self, questions: Sequence[Question] | None = None) -> None:
-        """Lower the processes of some questions, or all, that are open; the report has what is wrong with them."""
+        """Lower the processes of some questions, or all, that are open; the report has what is wrong with them. Raises
+        MissingValueError if nothing is asserted and the outermost process lacks a value.
+        """
+        from cspdiag.network.lower.program import MissingValueError
+        from cspdiag.proofs.answers.undefined import without_values
+
         for question in self.questions if questions is None else questions:
-            for name in () if question in self.proved else question.processes:
-                self.network(name)
-
-    def _report_missing(self, process: str, parameters: Sequence[Parameter]) -> bool:
-        """Report what an asserted process lacks; False if it is in no assertion."""
-        from cspdiag.proofs.diagnostics.processes import OpenParameter
-
-        places = [each.span for each in self.questions if each.asserted and process in each.processes]
-        for parameter in parameters if places else ():
-            self.checked.report.add(
-                OpenParameter(places[0], process=process, parameter=parameter.name.text, declared=parameter.name.span)
-            )
-        return bool(places)
+            for name in () if question in self.answers else question.processes:
+                try:
+                    self.network(name)
+                except MissingValueError as problem:
+                    if not question.asserted:
+                        raise
+                    self.answers[question] = without_values(question, name, problem.parameters)
+                    break
 
 
 @raised_recursion_limit()
@@ -403,10 +398,10 @@ def proof_obligations(
             checked.program, fewer.varying, process, lambda name: compile_network(fewer.checked, top=name)
         )
         if len(proved) == len(questions) > 0:
-            return ProofObligations(checked=checked, questions=questions, networks={}, parameters={}, proved=proved)
+            return ProofObligations(checked=checked, questions=questions, networks={}, parameters={}, answers=proved)
         checked = changed(checked, overrides.constants, overrides.places)
     obligations = ProofObligations(
-        checked=checked, questions=(), networks={}, parameters=overrides.parameters, proved=proved
+        checked=checked, questions=(), networks={}, parameters=overrides.parameters, answers=proved
     )
     if checked.program is None or checked.report.has_errors:
         return obligations

@@ -85,7 +85,7 @@ class Verifier:
         Raises VerificationError if a process alone has too many states, if SPIN is missing, or if the code cannot be
         run through a counterexample; OSError for a file of the program that cannot be read.
         """
-        known = self._obligations.proved.get(question)
+        known = self._obligations.answers.get(question)
         if known is not None:
             return known
         began = time.monotonic()

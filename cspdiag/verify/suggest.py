@@ -123,8 +123,8 @@ def _obligations(
 
 def _answer(obligations: pipeline.ProofObligations, limits: Limits) -> Answer | None:
     (question,) = obligations.questions
-    if question in obligations.proved:
-        return obligations.proved[question]
+    if question in obligations.answers:
+        return obligations.answers[question]
     if limits.remaining <= 0:
         return None
     try:

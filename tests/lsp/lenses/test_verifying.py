@@ -52,8 +52,9 @@ async def test_an_assertion_about_a_process_without_values_does_not_keep_others_
     program = "process Open(n: int) { composition { stop } }\nassert Open deadlock free\n"
     await editor.open("main.csp", program + PROGRAM)
     assert str(await asyncio.wait_for(verify(editor, 3), PATIENCE)).startswith("Refuted: ")
-    assert await asyncio.wait_for(verify(editor, 1), PATIENCE) is None
-    assert "`Open` has no value for its parameter `n`" in client.messages[-1].message
+    reason = "`Open` has no value for its parameter `n`, so nothing can be proved of it"
+    assert await asyncio.wait_for(verify(editor, 1), PATIENCE) == f"Not proved: {reason}"
+    assert (await titles(editor))[0] == f"Not proved: {reason}"
     await editor.close()
 
 
