@@ -89,7 +89,7 @@ test("how a run ends hides neither a refused change nor is hidden by a refused r
   await session.play(1);
   await session.pause();
   assert.equal(session.problem, "another page controls the program");
-  frame(1, { refused: [{ t: 1, parameter: "gain", text: "must be positive" }] });
+  frame(1, { refused: [{ parameter: "gain", text: "must be positive" }] });
   end("division by zero");
   assert.equal(session.problem, "");
   assert.equal(session.refused, "gain: must be positive");
