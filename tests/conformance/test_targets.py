@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from tests.conformance.hunt import A_START, hunt
 from tests.conformance.kit import judge, parsed
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments
 from tests.conformance.targets import TARGETS, Target
+from tests.support.thorough import THOROUGH
 
 EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "15"))
 """How many random programs each target is compared on, rounded down to multiples of a start; this, and all of
@@ -42,14 +44,24 @@ def assert_certified(target: Target, name: str, limit: int) -> None:
         assert verdict.result == "equal", verdict.details
 
 
-@on_every_target
-@pytest.mark.parametrize("name", MODELS)
+def on_usual_targets(names: Sequence[str]) -> pytest.MarkDecorator:
+    """Each program on the targets that share least, and on one of the others in turn; on all if tests are thorough."""
+    alike = ("python-O1-observed", "python-O1-untraced", "c-O0", "c-O1-observed")
+    chosen = [
+        pytest.param(target, name, id=f"{target.name}-{name}")
+        for number, name in enumerate(names)
+        for target in TARGETS.values()
+        if THOROUGH or target.name not in alike or target.name == alike[number % len(alike)]
+    ]
+    return pytest.mark.parametrize(("target", "name"), chosen, indirect=["target"])
+
+
+@on_usual_targets(MODELS)
 def test_model(target: Target, name: str) -> None:
     assert_certified(target, name, 1_200_000_000)
 
 
-@on_every_target
-@pytest.mark.parametrize("name", PROGRAMS)
+@on_usual_targets(PROGRAMS)
 def test_program(target: Target, name: str) -> None:
     """Programs on which implementations have disagreed."""
     assert_certified(target, name, 100_000_000)
