@@ -30,7 +30,7 @@ if (process.argv.includes("--tests")) {
   const page = await build({ ...shared, entryPoints: ["src/main.ts", "src/style/main.css"], outdir: "build", entryNames: "main", target: "es2022", format: "iife" });
   const inputs = Object.keys(page.metafile.inputs);
   if (existsSync(WORKER)) {
-    const worker = await build({ ...shared, entryPoints: [WORKER], outfile: "build/worker.js", target: "es2022", format: "iife", external: ["node:*"] });
+    const worker = await build({ ...shared, entryPoints: [WORKER], outfile: "build/worker.js", target: "es2022", format: "esm", external: ["node:*"] });
     inputs.push(...Object.keys(worker.metafile.inputs));
   }
   // Allows the editor its own styles, and no others that are not files.

@@ -275,6 +275,7 @@ function listen(): void {
   workspace.onChange(keepSoon);
   engine.on("started", (running) => void follow(running));
   engine.on("starting", ({ doing }) => say(status, `Starting the engine: ${doing} …`));
+  engine.on("ready", () => greet(false));
   element("share", HTMLButtonElement).addEventListener("click", () => void share());
   element("format", HTMLButtonElement).addEventListener("click", () => void format());
   element("dialog-close", HTMLButtonElement).addEventListener("click", () => dialog.close());
@@ -309,7 +310,6 @@ async function begin(): Promise<void> {
     offer(hello.models, hello.able?.["save"] === true ? (hello.program ?? undefined) : undefined);
     generate.offer(hello.targets ?? []);
     run.able(hello.able ?? {}, hello.recordings ?? []);
-    proofs.canCancel = hello.viewers !== undefined;
     if (hello.hand !== undefined) {
       showHand({ hand: hello.hand, viewers: hello.viewers ?? 1 });
     }

@@ -1,17 +1,8 @@
 /** The two ways to an engine: a worker of this page, and a WebSocket of the machine that served it. */
 
+import { inBrowser, worker } from "./browser";
 import type { Connect } from "./engine";
 import { Pings } from "./pings";
-
-export const worker: Connect = ({ receive, lost }) => {
-  const there = new Worker("worker.js", { type: "module" });
-  there.addEventListener("message", (event: MessageEvent<unknown>) => receive(event.data));
-  there.addEventListener("error", (event) => {
-    event.preventDefault();
-    lost(event.message === "" ? "the engine in the browser is not part of this page" : event.message);
-  });
-  return { send: (message) => there.postMessage(message) };
-};
 
 /** What the page has not seen waits at the server, which sends no more than a page can show. */
 const SEEN = JSON.stringify({ method: "seen" });
@@ -68,5 +59,5 @@ export function socket(token: string): Connect {
 /** The way that the address of this page asks for. */
 export function chosen(): Connect {
   const token = new URLSearchParams(location.search).get("token");
-  return token === null ? worker : socket(token);
+  return token === null ? inBrowser(worker) : socket(token);
 }

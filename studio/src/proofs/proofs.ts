@@ -19,8 +19,9 @@ export class Proofs {
   private answers: Answer[] = [];
   private version = -1;
   private busy = false;
-  /** Whether work that is under way can be ended. */
-  canCancel = false;
+  /** Counts what was asked, and says which of that was cancelled. */
+  private asked = 0;
+  private cancelled = 0;
 
   constructor(
     private readonly engine: Engine,
@@ -46,12 +47,13 @@ export class Proofs {
 
   private async ask(): Promise<void> {
     if (this.busy) {
+      this.cancelled = this.asked;
       await this.engine.request("cancel", {}).catch(() => undefined);
       return;
     }
     this.busy = true;
-    this.prove.textContent = this.canCancel ? "Cancel" : "Proving …";
-    this.prove.disabled = !this.canCancel;
+    const asked = ++this.asked;
+    this.prove.textContent = "Cancel";
     this.say("Proving …");
     this.paint();
     const version = this.workspace.version;
@@ -62,11 +64,10 @@ export class Proofs {
       }
       this.say("");
     } catch (problem) {
-      this.say(inWords(problem));
+      this.say(this.cancelled === asked ? "Cancelled." : inWords(problem));
     }
     this.busy = false;
     this.prove.textContent = "Prove all";
-    this.prove.disabled = false;
     this.paint();
   }
 

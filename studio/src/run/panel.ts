@@ -26,7 +26,7 @@ const PACED = "In real time a program can be stopped, not paused";
 const STALLED = {
   server: "The run stands still on this page, because the server does not answer.",
   process:
-    "Nothing has arrived of the run for 3 s: one of its processes computes without a communication, or the engine has other work. Stop ends the run, or loading the page again.",
+    "Nothing has arrived of the run for 3 s: one of its processes computes without a communication, or the engine has other work. Stop ends the run.",
 };
 
 export class RunPanel {
@@ -210,7 +210,7 @@ export class RunPanel {
     this.stop.title = this.controls ? "" : WATCHES;
     const any = started !== undefined;
     this.back.disabled = !any || session.shown <= 0;
-    this.stop.disabled = !any || phase === "ended" || !this.controls;
+    this.stop.disabled = !any || phase === "ended" || session.stopping || !this.controls;
     this.empty.hidden = any || session.problem !== "";
     this.showTime();
     this.showNote();
@@ -247,8 +247,8 @@ export class RunPanel {
     const { ended, problem, refused } = session;
     const stale = session.started !== undefined && this.ranVersion !== this.workspace.version;
     const missed = Object.entries(session.missed).map(([name, count]) => `${name} (${count})`);
-    const { stalled, standsStill } = session;
-    const key = [problem, refused, ended?.text, ended?.reason, stale, missed.join(), standsStill, stalled].join("|");
+    const { stalled, standsStill, stopping } = session;
+    const key = [problem, refused, ended?.text, ended?.reason, stale, missed.join(), standsStill, stalled, stopping].join("|");
     if (this.note.dataset["key"] === key) {
       return;
     }
@@ -266,6 +266,8 @@ export class RunPanel {
       if (listed) {
         this.note.append(waits.list(ended.waiting ?? []));
       }
+    } else if (stopping) {
+      this.note.append("Stopping …");
     } else if (stalled !== undefined) {
       this.note.classList.add("bad");
       this.note.append(STALLED[stalled]);

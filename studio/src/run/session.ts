@@ -22,6 +22,8 @@ export class Session {
   refused = "";
   /** How many samples of inputs were missed until now. */
   missed: Record<string, number> = {};
+  /** Whether the run is asked to stop, which a process that computes without end does not do at once. */
+  stopping = false;
   /** Whether frames have arrived for some time in which time has not passed. */
   standsStill = false;
   /** When time passed last, by the clock of the page. */
@@ -154,10 +156,16 @@ export class Session {
 
   /** Ends the run; what was recorded stays. */
   async stop(): Promise<void> {
-    if (this.started !== undefined && this.ended === undefined) {
-      await this.ask(() => this.engine.request("stop", { session: this.session }));
-      this.phase = "ended";
+    const { started } = this;
+    if (started !== undefined && this.ended === undefined && !this.stopping) {
+      this.stopping = true;
       this.changed();
+      await this.ask(() => this.engine.request("stop", { session: started.session }));
+      if (this.started === started) {
+        this.stopping = false;
+        this.phase = "ended";
+        this.changed();
+      }
     }
   }
 
@@ -173,6 +181,7 @@ export class Session {
     this.refused = "";
     this.missed = {};
     this.standsStill = false;
+    this.stopping = false;
     this.sent.clear();
     this.recording = new Recording([]);
     this.changed();

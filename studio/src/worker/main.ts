@@ -4,13 +4,12 @@ import { layoutRunner } from "./layout";
 import { loadPython, type PythonEngine } from "./python";
 
 interface Scope {
-  location: { href: string };
   onmessage: ((event: { data: unknown }) => void) | null;
   postMessage: (message: unknown) => void;
 }
 
 const scope = self as unknown as Scope;
-const base = new URL("engine/", scope.location.href).href;
+const base = new URL("engine/", import.meta.url).href;
 
 /** Lets the program run between the requests, when the engine says so. */
 function proceed(engine: PythonEngine): void {
@@ -41,6 +40,7 @@ async function main(): Promise<void> {
       import(`${base}elk.js`),
     ]);
     proceed(engine);
+    scope.postMessage({ method: "ready", params: {} });
   } catch (problem) {
     const reason = problem instanceof Error ? problem.message : String(problem);
     const refuse = (request: unknown): void => {

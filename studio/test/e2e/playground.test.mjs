@@ -1,6 +1,7 @@
 // The page with the engine of the browser: Python as WebAssembly in a worker, as the playground has it.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
+import { createServer } from "node:http";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import path from "node:path";
@@ -68,6 +69,57 @@ test("an instant without end is said, and the whole diagram fits", async () => {
   await page.locator("#ui-run-button").click();
   await page.locator("#ui-run-note.bad", { hasText: "stands still at 0.000 s" }).waitFor();
   await page.locator("#ui-stop").click();
+});
+
+test("a process that computes without end is stopped, and all else is kept", async () => {
+  const text = "process Spin {\n  communication { var k : int = 1 }\n  composition { while k > 0 do (k := k % 1000 + 1) }\n}\n";
+  await write(page, text);
+  await page.locator("#ui-diagram svg", { hasText: "k" }).waitFor();
+  await page.getByText("No problems").waitFor();
+  await page.locator("#ui-run-button").click();
+  await page.locator("#ui-run-note.bad", { hasText: "Nothing has arrived of the run for 3 s" }).waitFor();
+  await page.locator("#ui-stop").click();
+  await page.locator("#ui-run-note", { hasText: "Stopping" }).waitFor();
+  await page.locator("#ui-run-note", { hasText: "computed for 3 s without a communication" }).waitFor();
+  await page.locator("#ui-engine", { hasText: "Starting the engine" }).waitFor();
+  await write(page, `${text}// later\nprocess Other { composition { slip } }\n`);
+  await page.locator("#ui-problems li", { hasText: "slip" }).waitFor();
+  await page.locator("#ui-engine", { hasText: "In this browser" }).waitFor();
+});
+
+test("Python in a program reaches nothing but the page", async (context) => {
+  let reached = 0;
+  const elsewhere = createServer((_, response) => {
+    reached += 1;
+    response.writeHead(200, { "Access-Control-Allow-Origin": "*" }).end("x");
+  });
+  await new Promise((resolve) => elsewhere.listen(0, "127.0.0.1", resolve));
+  context.after(() => elsewhere.close());
+  const address = `http://127.0.0.1:${elsewhere.address().port}/`;
+  const csp = `process Hold { in x : double @ 1 ms out y : double communication { var v : double = 0 } composition { mu (x ? v ; y ! v) } }
+submodel Spy python "spy.py:Spy" { in u : double out z : double }
+environment Bench for Hold step 1 ms { spy : Spy y -> spy.u spy.z -> x }
+`;
+  const python = `import js
+
+class Spy:
+    def __init__(self):
+        js.fetch("${address}fetch")
+        try:
+            request = js.XMLHttpRequest.new()
+            request.open("GET", "${address}request", False)
+            request.send()
+        except Exception as problem:
+            print(problem)
+        js.WebSocket.new("${address.replace("http", "ws")}")
+
+    def calculate(self, u):
+        return 1.0
+`;
+  const { ended, text } = await ask("run", { files: { "a.csp": csp, "spy.py": python }, main: "a.csp", until: "5 ms" });
+  assert.equal(ended, "until", text);
+  await page.waitForTimeout(300);
+  assert.equal(reached, 0);
 });
 
 test("the philosophers are proved to deadlock, which is shown step by step", async () => {
