@@ -88,7 +88,9 @@ def _hover(ls: CspdiagServer, params: types.HoverParams) -> types.Hover | None:
     return None if place is None else hover.hover(*place, ls.session.positions)
 
 
-@server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=[".", "<", ":", "("]))
+# Not after a colon: a blank follows it, after which VS Code sometimes loses what it was answered there and does not ask
+# again.
+@server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=[".", "<", "("]))
 def _completion(ls: CspdiagServer, params: types.CompletionParams) -> list[types.CompletionItem]:
     place = ls.place(params)
     return [] if place is None else completion.completion(*place)

@@ -17,6 +17,7 @@ import { reasonOf } from "./reason";
 import { Restarts } from "./restarts";
 import type { Cspdiag, Runs } from "./run";
 import { textOf } from "./settings";
+import { withSnippets } from "./snippets";
 import type { Way } from "./trouble";
 import { Trouble } from "./trouble";
 import { isTrusted, MANAGE_TRUST } from "./trust";
@@ -176,6 +177,8 @@ export class Server implements vscode.Disposable {
         middleware: {
           provideCodeLenses: async (document, token, next) =>
             this.runs.withResults(document, this.withInterrupted(document, (await next(document, token)) ?? [])),
+          provideCompletionItem: async (document, position, context, token, next) =>
+            withSnippets(await next(document, position, context, token)),
           handleWorkDoneProgress: this.work.show,
           executeCommand: async (command, given, next) => {
             const ask = async () => (await next(command, given)) as unknown;

@@ -88,6 +88,23 @@ step("a mistake is shown as a diagnostic", async () => {
   await editor.screenshot("slip");
 });
 
+step("a snippet is offered only where what it begins with can be", async () => {
+  const offered = (label) => editor.page.locator(`.suggest-widget.visible .monaco-list-row[aria-label^="${label}"]`);
+  await editor.goTo(2, 25);
+  await editor.page.keyboard.press("Enter");
+  await editor.page.keyboard.type("integ", { delay: 50 });
+  await offered("integrator").waitFor();
+  await editor.page.keyboard.press("Escape");
+  await editor.command("File: Revert File");
+  await editor.goTo(2, 25);
+  await editor.page.keyboard.press("Enter");
+  await editor.page.keyboard.type("process Loom { in thread : int", { delay: 50 });
+  await offered("int8").waitFor();
+  assert.equal(await offered("integrator").count(), 0);
+  await editor.page.keyboard.press("Escape");
+  await editor.command("File: Revert File");
+});
+
 step("the problems of a task are shown, also of the last file, beside those of the server", async () => {
   const files = ["slip.csp", "first.csp", "second.csp", path.join(editor.folder, "third.csp")];
   editor.program("said.txt", files.map((file) => `${file}:1:1: error[E0204] of the task\n`).join(""));
