@@ -21,7 +21,7 @@ class Library:
         self.path = path
         self.description: FmuDescription = read_description(path)
         self._model_exchange = model_exchange
-        self._messages: list[str] = []
+        self._message = ""
         self._is_new = self.description.version == "3.0"
         identifier = self.description.model_exchange if model_exchange else self.description.co_simulation
         assert identifier is not None
@@ -50,11 +50,12 @@ class Library:
         folder_of_process = os.getcwd()
         try:
             fmu = class_(**facts)
+            # With messages: there are FMUs that say only then why they fail.
             if self._is_new:
-                fmu.instantiate(logMessage=lambda _, status, category, text: self._messages.append(_text(text)))
+                fmu.instantiate(loggingOn=True, logMessage=lambda _, *message: self._hear(*message))
             else:
-                self._callbacks = _callbacks(self._messages)
-                fmu.instantiate(callbacks=self._callbacks)
+                self._callbacks = _callbacks(lambda _, name, *message: self._hear(*message))
+                fmu.instantiate(loggingOn=True, callbacks=self._callbacks)
         except Exception as problem:
             os.chdir(folder_of_process)  # fmpy loads a binary from its own folder, and stays there if that fails.
             raise FmuError(
@@ -64,19 +65,24 @@ class Library:
             ) from None
         return fmu
 
+    def _hear(self, status: int, category: bytes | None, text: bytes | None) -> None:
+        if status != _OK:
+            self._message = " ".join((text or b"").decode("utf-8", "replace").split())
+
     def _with_message(self, text: str) -> str:
-        message = " ".join(" ".join(self._messages[-1:]).split())
-        self._messages.clear()
+        message, self._message = self._message, ""
         return f"{text}: {message}" if message else text
 
     def _call(self, doing: str, function: Callable[..., Any], *arguments: Any) -> Any:
         from fmpy.fmi1 import FMICallException
 
         try:
-            return function(*arguments)
+            result = function(*arguments)
         except FMICallException as problem:
             text = f"{self.path} returned {_STATUS.get(problem.status, problem.status)} in {problem.function}, {doing}"
             raise FmuError(self._with_message(text), "") from None
+        self._message = ""
+        return result
 
     # ---- Life
 
@@ -205,14 +211,11 @@ class Library:
         return [value > 0.0 for value in self._indicators]
 
 
+_OK = 0
 _STATUS = {2: "discard", 3: "an error", 4: "a fatal error"}
 
 
-def _text(text: bytes | None) -> str:
-    return (text or b"").decode("utf-8", "replace")
-
-
-def _callbacks(messages: list[str]) -> Any:
+def _callbacks(logged: Callable[..., None]) -> Any:
     from fmpy.fmi2 import (
         calloc,
         fmi2CallbackAllocateMemoryTYPE,
@@ -223,7 +226,7 @@ def _callbacks(messages: list[str]) -> Any:
     )
 
     made = fmi2CallbackFunctions()
-    made.logger = fmi2CallbackLoggerTYPE(lambda _, name, status, category, text: messages.append(_text(text)))
+    made.logger = fmi2CallbackLoggerTYPE(logged)
     made.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
     made.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
     return made

@@ -76,21 +76,24 @@ static void log2_message(void *environment, const char *name, int status, const 
     struct csp_fmu_library *const library = environment;
     va_list arguments;
     (void)name;
-    (void)status;
     (void)category;
-    va_start(arguments, message);
-    (void)vsnprintf(library->message, sizeof library->message, (message != NULL) ? message : "", arguments);
-    va_end(arguments);
+    if (status != CSP_FMU_OK) {
+        va_start(arguments, message);
+        (void)vsnprintf(library->message, sizeof library->message, (message != NULL) ? message : "", arguments);
+        va_end(arguments);
+    }
 }
 
 static void log3_message(void *environment, int status, const char *category, const char *message)
 {
     struct csp_fmu_library *const library = environment;
-    (void)status;
     (void)category;
-    (void)snprintf(library->message, sizeof library->message, "%s", (message != NULL) ? message : "");
+    if (status != CSP_FMU_OK) {
+        (void)snprintf(library->message, sizeof library->message, "%s", (message != NULL) ? message : "");
+    }
 }
 
+/* With messages: there are FMUs that say only then why they fail. */
 static bool instantiate2(csp_fmu *self)
 {
     void *(*make)(const char *, int, const char *, const char *, const csp_fmu_callbacks *, int, int) = NULL;
@@ -100,7 +103,7 @@ static bool instantiate2(csp_fmu *self)
     *(void **)&make = csp_fmu_function(self, "Instantiate");
     if (make != NULL) {
         library->component = make(self->facts->instance, self->facts->is_model_exchange ? 0 : 1, self->facts->token,
-                                  self->facts->resources, &library->functions, 0, 0);
+                                  self->facts->resources, &library->functions, 0, 1);
     }
     return (library->component != NULL) || csp_fmu_fail(self, "cannot be instantiated");
 }
@@ -115,14 +118,14 @@ static bool instantiate3(csp_fmu *self)
         void *(*make)(const char *, const char *, const char *, bool, bool, void *, log3_function *) = NULL;
         *(void **)&make = csp_fmu_function(self, "InstantiateModelExchange");
         if (make != NULL) {
-            library->component = make(facts->instance, facts->token, facts->resources, false, false, library, log3_message);
+            library->component = make(facts->instance, facts->token, facts->resources, false, true, library, log3_message);
         }
     } else {
         void *(*make)(const char *, const char *, const char *, bool, bool, bool, bool, const uint32_t *, size_t, void *,
                       log3_function *, void *) = NULL;
         *(void **)&make = csp_fmu_function(self, "InstantiateCoSimulation");
         if (make != NULL) {
-            library->component = make(facts->instance, facts->token, facts->resources, false, false, false, false, NULL, 0U,
+            library->component = make(facts->instance, facts->token, facts->resources, false, true, false, false, NULL, 0U,
                                       library, log3_message, NULL);
         }
     }

@@ -4,7 +4,10 @@
 
 #include "csp_fmu.h"
 
-enum { CSP_FMU_TEXT = 1024, CSP_FMU_KNOWN = 24, CSP_FMU_DISCARD = 2, CSP_FMU_ERROR = 3 /* values of fmi2Status and fmi3Status */ };
+enum { CSP_FMU_TEXT = 1024, CSP_FMU_KNOWN = 24 };
+
+/* Values of fmi2Status and fmi3Status. */
+enum { CSP_FMU_OK = 0, CSP_FMU_DISCARD = 2, CSP_FMU_ERROR = 3 };
 
 /* fmi2CallbackFunctions */
 typedef struct csp_fmu_callbacks {

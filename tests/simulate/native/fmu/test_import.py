@@ -369,3 +369,15 @@ def test_an_fmu_made_by_pythonfmu(tmp_path: Path) -> None:
         rows = list(csv.DictReader(place.read_text().splitlines()))
         found = [float(row["temperature"]) for row in rows]
         assert found == pytest.approx(list(heater(len(found))), abs=1e-12)
+
+
+def test_an_exception_in_an_fmu_made_by_pythonfmu_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    builder = pytest.importorskip("pythonfmu.builder")
+    burnt = PYTHON.replace("        return True", "        raise ValueError('it is burnt')")
+    (tmp_path / "burnt.py").write_text(burnt.replace("Heater", "Burnt"))  # A module of another name in this process.
+    builder.FmuBuilder.build_FMU(str(tmp_path / "burnt.py"), dest=str(tmp_path))
+    (tmp_path / "house.csp").write_text(HEATED.replace("Heater", "Burnt"))
+    assert main(["run", str(tmp_path / "house.csp"), "--for", "5 s"]) == 1
+    shown = "".join(capsys.readouterr())
+    assert "Burnt.fmu returned a fatal error in fmi2DoStep, in the step from 0 s to 0.1 s: " in shown
+    assert "ValueError('it is burnt')" in shown

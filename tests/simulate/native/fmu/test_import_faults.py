@@ -133,6 +133,66 @@ def test_an_error_at_a_step_leaves_safe_outputs_and_a_whole_recording(
     assert not list(tmp_path.glob("*.part.*"))
 
 
+REFUSING = """<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Refusing" guid="{}">
+  <CoSimulation modelIdentifier="refusing"/>
+  <ModelVariables>
+    <ScalarVariable name="y" valueReference="0" causality="output" variability="continuous"><Real/></ScalarVariable>
+    <ScalarVariable name="u" valueReference="1" causality="input"><Real start="0"/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="1"/></Outputs></ModelStructure>
+</fmiModelDescription>
+"""
+
+REFUSED = """
+process Follow {
+  in  y : double @ 10 ms
+  out u : double @ 10 ms safe -7
+
+  communication { var v : double }
+
+  composition { mu (y ? v ; u ! v) }
+}
+
+submodel Plant fmu "refusing.fmu" {}
+
+environment Bench for Follow {
+  plant : Plant
+
+  u       -> plant.u
+  plant.y -> y
+}
+"""
+
+
+def packed(folder: Path, source: str, description: str, *options: str) -> None:
+    """Makes an FMU of a file in C and a description."""
+    platform, suffix = platform_folder("2.0")
+    library = folder / f"{source}{suffix}"
+    compile_once("cc", *options, "-shared", "-fPIC", Path(__file__).parent / f"{source}.c", "-o", library)
+    with zipfile.ZipFile(folder / f"{source}.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", description)
+        archive.write(library, f"binaries/{platform}/{source}{suffix}")
+
+
+@pytest.mark.parametrize(("status", "word"), [(2, "discard"), (3, "an error"), (4, "a fatal error")])
+def test_a_step_that_is_refused_ends_the_run_with_the_reason(
+    status: int, word: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    packed(tmp_path, "refusing", REFUSING, f"-DSTATUS={status}")
+    (tmp_path / "follow.csp").write_text(REFUSED)
+    for number, options in enumerate(TARGETS):
+        place = tmp_path / f"{number}.mcap"
+        assert main(["run", str(tmp_path / "follow.csp"), "--for", "1 s", "--record", str(place), *options]) == 1
+        shown = "".join(capsys.readouterr())
+        assert f"refusing.fmu returned {word} in fmi2DoStep" in shown
+        assert ": the tank is " in shown
+        recording = open_recording(str(place))
+        assert (recording.whole, recording.ended, recording.time) == (True, "failed", 60_000_000)
+        time, value = recording.values("u")
+        assert (int(time[-1]), float(value[-1])) == (60_000_000, -7.0)
+
+
 STUBBORN = """<?xml version="1.0"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Stubborn" guid="{}" numberOfEventIndicators="0">
   <ModelExchange modelIdentifier="stubborn"/>
@@ -158,12 +218,7 @@ STUBBORN = """<?xml version="1.0"?>
 def test_an_fmu_that_goes_no_further_ends_the_run(
     options: list[str], reported: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder, suffix = platform_folder("2.0")
-    library = tmp_path / f"stubborn{suffix}"
-    compile_once("cc", *options, "-shared", "-fPIC", Path(__file__).parent / "stubborn.c", "-o", library)
-    with zipfile.ZipFile(tmp_path / "stubborn.fmu", "w") as archive:
-        archive.writestr("modelDescription.xml", STUBBORN)
-        archive.write(library, f"binaries/{folder}/stubborn{suffix}")
+    packed(tmp_path, "stubborn", STUBBORN, *options)
     (tmp_path / "watch.csp").write_text(watching({"y": "double"}, "stubborn.fmu", "10 ms"))
     for target in TARGETS:
         assert main(["run", str(tmp_path / "watch.csp"), "--for", "1 s", *target]) == 1
