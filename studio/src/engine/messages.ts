@@ -204,7 +204,7 @@ export interface Frame {
   /** The processes that run at its end. */
   running?: string[];
   /** Changes of parameters that the program did not accept. */
-  refused?: { t: number; parameter: string; text: string }[];
+  refused?: { parameter: string; text: string }[];
   waiting?: Waiting[];
   /** How many samples of inputs were missed until now. */
   missed?: Record<string, number>;

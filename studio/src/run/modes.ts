@@ -1,10 +1,11 @@
-/** The time line: what mode each process was in, and a cursor at the instant that is shown. */
+/** The time line: what mode each part of the program was in, and a cursor at the instant that is shown. */
 
 import { h } from "../page/dom";
 import type { Recording } from "./recording";
 
 const SHADES = 6;
-const MOST_SPANS = 400;
+/** Modes at the same time that are shown of a part of the program. */
+const MOST_LANES = 8;
 
 export class Modes {
   private readonly rows = new Map<string, { track: HTMLElement; now: HTMLElement }>();
@@ -20,34 +21,45 @@ export class Modes {
   }
 
   show(recording: Recording, from: number, to: number, at: number): void {
-    for (const [path, log] of recording.modes) {
+    for (const [group, lanes] of recording.modes) {
       // A part that is one process has no modes.
-      if (log.items.every(({ mode }) => mode === undefined || mode === path)) {
+      if (lanes.lanes.every((spans) => spans.every(({ mode }) => mode === group))) {
         continue;
       }
-      const { track, now } = this.rows.get(path) ?? this.row(path);
-      const percent = (time: number) => ((time - from) / Math.max(to - from, 1)) * 100;
-      const spans = recording.spans(path, from, to).slice(-MOST_SPANS);
-      track.replaceChildren(
-        ...spans.map((span) => {
-          const part = h("i", { class: `mode shade-${this.shade(span.mode)}`, title: span.mode }, span.mode);
-          part.style.left = `${percent(span.from)}%`;
-          part.style.width = `${Math.max(percent(span.to) - percent(span.from), 0)}%`;
-          return part;
-        }),
-      );
-      const cursor = h("i", { class: "cursor" });
-      cursor.style.left = `${Math.min(percent(at), 100)}%`;
-      track.append(cursor);
-      now.textContent = recording.modeAt(path, at) ?? "–";
+      const count = lanes.lanes.length;
+      for (let lane = 0; lane < Math.min(count, MOST_LANES); lane++) {
+        const key = JSON.stringify([group, lane]);
+        const { track, now } = this.rows.get(key) ?? this.row(key, group, lane);
+        const percent = (time: number) => ((time - from) / Math.max(to - from, 1)) * 100;
+        track.replaceChildren(
+          ...lanes.spans(lane, from, to, recording.now).map((span) => {
+            const part = h("i", { class: `mode shade-${this.shade(span.mode)}`, title: span.mode }, span.mode);
+            part.style.left = `${percent(span.from)}%`;
+            part.style.width = `${Math.max(percent(span.to) - percent(span.from), 0)}%`;
+            return part;
+          }),
+        );
+        const cursor = h("i", { class: "cursor" });
+        cursor.style.left = `${Math.min(percent(at), 100)}%`;
+        track.append(cursor);
+        const more = lane === MOST_LANES - 1 && count > MOST_LANES ? ` (and ${count - MOST_LANES} more at the same time)` : "";
+        now.textContent = `${lanes.at(lane, at) ?? "–"}${more}`;
+      }
     }
   }
 
-  private row(path: string): { track: HTMLElement; now: HTMLElement } {
-    const made = { track: h("div", { class: "track", "aria-hidden": "true" }), now: h("output", {}) };
-    this.room.append(h("div", { class: "row" }, h("span", {}, path), made.now, made.track));
+  private row(key: string, group: string, lane: number): { track: HTMLElement; now: HTMLElement } {
+    const made = { track: h("div", { class: "track", "aria-hidden": "true" }), now: h("output", { "aria-label": group }) };
+    const row = h("div", { class: "row" }, h("span", { "aria-hidden": lane > 0 ? "true" : undefined }, lane > 0 ? "" : group), made.now, made.track);
+    // The lanes of a part are together, also if one comes late.
+    const before = this.rows.get(JSON.stringify([group, lane - 1]))?.track.parentElement;
+    if (before == null) {
+      this.room.append(row);
+    } else {
+      before.after(row);
+    }
     this.room.hidden = false;
-    this.rows.set(path, made);
+    this.rows.set(key, made);
     return made;
   }
 

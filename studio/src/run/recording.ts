@@ -1,6 +1,7 @@
 /** What a run has done so far, so that one can go back to any instant of it. */
 
-import type { Communication, Frame, Mode, Signal, Waiting } from "../engine/messages";
+import type { Communication, Frame, Signal, Waiting } from "../engine/messages";
+import { Lanes } from "./lanes";
 import { Track, lastAt, literals } from "./track";
 
 /** Events are forgotten, the oldest half of them, beyond this number. */
@@ -45,26 +46,13 @@ export function innermost(paths: readonly string[]): string[] {
   return paths.filter((path) => !paths.some((other) => other.startsWith(`${path}.`)));
 }
 
-/** A stretch of time in which a process was in a mode. */
-export interface Span {
-  from: number;
-  to: number;
-  mode: string;
-}
-
-/** A mode that a part of the program entered, and the process that is in it; undefined if there is none. */
-interface Entered {
-  path: string;
-  mode: string | undefined;
-}
-
 export class Recording {
   readonly tracks = new Map<string, Track>();
   readonly communications = new Log<Communication>();
   private readonly running = new Log<readonly string[]>();
   private readonly waiting = new Log<readonly Waiting[]>();
-  /** The mode of each part of the program. */
-  readonly modes = new Map<string, Log<Entered>>();
+  /** The modes of each part of the program. */
+  readonly modes = new Map<string, Lanes>();
   /** The latest instant. */
   now = 0;
   /** How many communications were not reported. */
@@ -85,7 +73,9 @@ export class Recording {
     }
     this.omitted += frame.omitted ?? 0;
     for (const mode of frame.modes ?? []) {
-      this.addMode(mode);
+      const lanes = this.modes.get(mode.group) ?? new Lanes();
+      this.modes.set(mode.group, lanes);
+      lanes.add(mode);
     }
     if (frame.running !== undefined) {
       this.running.add(frame.to, frame.running);
@@ -106,17 +96,6 @@ export class Recording {
     return made;
   }
 
-  private addMode({ t, group, path, mode }: Mode): void {
-    const log = this.modes.get(group) ?? new Log<Entered>();
-    this.modes.set(group, log);
-    const last = log.items.at(-1);
-    // Another process may have begun before this one ended.
-    const changed = mode === null ? last?.path === path && last.mode !== undefined : last?.mode !== mode;
-    if (changed) {
-      log.add(t, { path, mode: mode ?? undefined });
-    }
-  }
-
   /** The deadlock or end, which comes after the last frame. */
   end(at: number, waiting: readonly Waiting[]): void {
     this.now = Math.max(this.now, at);
@@ -131,31 +110,6 @@ export class Recording {
 
   waitingAt(time: number): readonly Waiting[] {
     return this.waiting.at(time) ?? [];
-  }
-
-  modeAt(path: string, time: number): string | undefined {
-    return this.modes.get(path)?.at(time)?.mode;
-  }
-
-  /** What a process was in, from one instant to another. */
-  spans(path: string, from: number, to: number): Span[] {
-    const log = this.modes.get(path);
-    if (log === undefined) {
-      return [];
-    }
-    const found: Span[] = [];
-    for (let i = log.times.length - 1; i >= 0; i--) {
-      const start = log.times[i] ?? 0;
-      const end = log.times[i + 1] ?? Infinity;
-      const mode = log.items[i]?.mode;
-      if (mode !== undefined && end >= from && start <= to) {
-        found.push({ from: Math.max(start, from), to: Math.min(end, to, this.now), mode });
-      }
-      if (start < from) {
-        break;
-      }
-    }
-    return found.reverse();
   }
 
   /** The instant of the last communication before one; that of the first record if there is none. */

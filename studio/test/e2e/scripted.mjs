@@ -40,7 +40,7 @@ function frame(to) {
         on: { t, v: t.map((at) => at % 4e8 < 2e8) },
       },
       communications: t.filter((at) => at % (50 * MS) === 0).map((at) => ({ t: at, channel: "Pair.token", writer: word("Pair.left"), reader: "Pair.right", value: HOSTILE ? EVIL : at / MS })),
-      modes: from === 0 ? [{ t: 0, group: word("Pair"), path: "Pair.left", mode: word("align") }] : from < 500 * MS && to >= 500 * MS ? [{ t: 500 * MS, group: word("Pair"), path: "Pair.right", mode: "motion" }] : [],
+      modes: from === 0 ? [{ t: 0, group: word("Pair"), path: "Pair.left", mode: word("align") }] : from < 500 * MS && to >= 500 * MS ? [{ t: 500 * MS, group: word("Pair"), path: "Pair.left", mode: null }, { t: 500 * MS, group: word("Pair"), path: "Pair.right", mode: "motion" }] : [],
       running: ["Pair.left", "Pair.right"], waiting: [],
     },
   });

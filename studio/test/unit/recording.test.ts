@@ -52,14 +52,6 @@ test("of more than a million values the older half is forgotten, and the rest is
   assert.equal(Math.max(...track.columns(count - 100_000, count, 10).map((value) => value ?? 0)), count - 1);
 });
 
-test("a mode ends with its process, unless the next one has begun", () => {
-  const recording = new Recording([]);
-  const mode = (t: number, path: string, name: string | null) => ({ t, group: "A", path, mode: name });
-  recording.add({ ...FRAME, modes: [mode(0, "A.one", "one"), mode(40, "A.two", "two"), mode(40, "A.one", null), mode(60, "A.two", null)] });
-  assert.deepEqual([0, 50, 60].map((at) => recording.modeAt("A", at)), ["one", "two", undefined]);
-  assert.deepEqual(recording.spans("A", 0, 100).map(({ from, to }) => [from, to]), [[0, 40], [40, 60]]);
-});
-
 test("one can go back to what ran, waited and communicated", () => {
   const recording = new Recording([{ name: "x", type: "double" }]);
   recording.add({
@@ -67,7 +59,7 @@ test("one can go back to what ran, waited and communicated", () => {
     signals: { x: { t: [0, 50], v: [1, 2] } },
     running: ["A.b"],
     communications: [{ t: 30, channel: "A.k" }, { t: 60, channel: "A.l" }],
-    modes: [{ t: 0, group: "A", path: "A.one", mode: "one" }, { t: 50, group: "A", path: "A.two", mode: "two" }],
+    modes: [{ t: 0, group: "A", path: "A.one", mode: "one" }],
     waiting: [{ process: "A.c", channels: ["A.k"] }],
   });
   assert.deepEqual(recording.runningAt(99), []);
@@ -78,8 +70,7 @@ test("one can go back to what ran, waited and communicated", () => {
   assert.equal(recording.before(30), 0);
   assert.equal(recording.after(30), 60);
   assert.equal(recording.after(60), undefined);
-  assert.equal(recording.modeAt("A", 49), "one");
-  assert.deepEqual(recording.spans("A", 20, 80), [{ from: 20, to: 50, mode: "one" }, { from: 50, to: 80, mode: "two" }]);
+  assert.equal(recording.modes.get("A")?.at(0, 49), "one");
 });
 
 test("of processes at work those are named that contain no other one", () => {
