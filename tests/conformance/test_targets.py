@@ -13,7 +13,7 @@ from tests.conformance.hunt import A_START, hunt
 from tests.conformance.kit import judge, parsed
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments
 from tests.conformance.targets import TARGETS, Target
-from tests.support.thorough import THOROUGH
+from tests.support.thorough import in_turn
 
 EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "15"))
 """How many random programs each target is compared on, rounded down to multiples of a start; this, and all of
@@ -47,11 +47,12 @@ def assert_certified(target: Target, name: str, limit: int) -> None:
 def on_usual_targets(names: Sequence[str]) -> pytest.MarkDecorator:
     """Each program on the targets that share least, and on one of the others in turn; on all if tests are thorough."""
     alike = ("python-O1-observed", "python-O1-untraced", "c-O0", "c-O1-observed")
+    in_its_turn = set(in_turn(names, alike))
     chosen = [
         pytest.param(target, name, id=f"{target.name}-{name}")
-        for number, name in enumerate(names)
+        for name in names
         for target in TARGETS.values()
-        if THOROUGH or target.name not in alike or target.name == alike[number % len(alike)]
+        if target.name not in alike or (name, target.name) in in_its_turn
     ]
     return pytest.mark.parametrize(("target", "name"), chosen, indirect=["target"])
 

@@ -15,7 +15,7 @@ from tests.conformance.hunt import A_START, hunt
 from tests.conformance.kit import judge, parsed
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, InvalidProgramError, environments
 from tests.conformance.targets import TARGETS, Target
-from tests.support.thorough import at_levels
+from tests.support.thorough import in_turn, usual_or_thorough
 
 EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "30")) // 2
 COMPARED = ("python-O0", "python-O1", "c-O0", "c-O1")
@@ -54,14 +54,7 @@ def network_in_single(name: str) -> Network:
 
 @pytest.mark.parametrize(
     ("name", "target"),
-    [
-        *(product(MODELS, COMPARED)),
-        *(
-            (name, f"{language}-O{level}")
-            for name, level in at_levels(sorted(set(PROGRAMS) - HUGE))
-            for language in ("python", "c")
-        ),
-    ],
+    [*product(MODELS, COMPARED), *in_turn(sorted(set(PROGRAMS) - HUGE), COMPARED)],
     indirect=["target"],
 )
 def test_program(target: Target, name: str) -> None:
@@ -82,7 +75,7 @@ def test_numbers_that_are_too_large_are_refused(name: str) -> None:
 @pytest.mark.parametrize("target", COMPARED, indirect=True)
 @pytest.mark.parametrize("start", range(EXAMPLES // A_START))
 def test_random_programs(target: Target, start: int) -> None:
-    found = hunt(target, A_START, start, shrink=False, real="float32")
+    found = hunt(target, usual_or_thorough(5, A_START), start, shrink=False, real="float32")
     assert found is None, found
 
 
