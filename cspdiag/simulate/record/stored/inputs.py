@@ -127,7 +127,7 @@ def _of_literal(value: Any) -> Any:
 def recorded_inputs(network: CoreNetwork, environment: Environment, recording: StoredRecording) -> RecordedInputs:
     """The inputs of the program from a recording. Raises InputsError, and RecordingError."""
     known = {port.name: port for port in recording.head.ports}
-    positions, initial = [], []
+    positions, initial, count = [], [], 0
     for position, (port, wanted) in enumerate(
         zip(network.external_ports, head_of(network, environment).ports, strict=True)
     ):
@@ -140,12 +140,19 @@ def recorded_inputs(network: CoreNetwork, environment: Environment, recording: S
             raise InputsError(f"{recording.path} has no signal for the input {where}; it has: {names}")
         if recording.typed:
             _require_same(recording, found, wanted, where)
+        elif not _may_be(found.type, wanted.type):
+            raise InputsError(
+                f"{recording.path}: {found.name} is a {found.type}, and the input {where} a {wanted.type}"
+            )
         times, values = recording.values(port.name)
+        count += len(times)
         if wanted.period:
             _require_ticks(recording, times, wanted, where)
         positions.append(position)
         events = plain(values[:1])
         initial.append(another(events[0], port.type) if events else _zero(port.type))
+    if positions and not count and not recording.typed:
+        raise InputsError(f"{recording.path} has no values")
     inputs = tuple(network.external_ports[position] for position in positions)
     changes = recorded_changes(network, recording)
     return RecordedInputs(recording, inputs, tuple(positions), environment.step, tuple(initial), changes)
@@ -160,6 +167,23 @@ def _require_same(recording: StoredRecording, found: RecordedPort, wanted: Recor
         raise InputsError(
             f"{recording.path}: {found.name} has {_rhythm(found)}, and the input {where} {_rhythm(wanted)}"
         )
+
+
+def _may_be(found: Type, wanted: Type) -> bool:
+    """Whether numbers of another program, which have no units and no literals, can be values of an input."""
+    match wanted:
+        case ArrayType(element=element, size=size):
+            return isinstance(found, ArrayType) and found.size == size and _may_be(found.element, element)
+        case RealType():
+            return isinstance(found, RealType | IntType)
+        case IntType() | TimeType():
+            return isinstance(found, IntType | TimeType)
+        case EnumType():
+            return isinstance(found, IntType | EnumType)
+        case BoolType() | StructType() | TextType() | UnknownType():
+            return type(found) is type(wanted)
+        case _:
+            assert_never(wanted)
 
 
 def _rhythm(port: RecordedPort) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import os
 import zipfile
 from collections.abc import Iterator, Sequence
@@ -36,6 +37,8 @@ from cspdiag.simulate.record.streamed.part_file import is_part_name
 if TYPE_CHECKING:
     import numpy
 
+_ENCODING = "utf-8-sig"
+"""Spreadsheets begin tables with a byte order mark, which this leaves out."""
 _ROWS = 1 << 14
 """The rows that are read at a time."""
 
@@ -57,7 +60,10 @@ def open_archive(path: str) -> StoredRecording:
     if head is None:
         with _archive(path) as archive:
             names = [name for name in archive.files if f"{name}.time" in archive.files]
-            ports = tuple(RecordedPort(name, _of_dtype(archive[name].dtype, path, name), "in") for name in names)
+            ports = tuple(
+                RecordedPort(name, _of_array(archive[name], archive[f"{name}.time"], path, name), "in")
+                for name in names
+            )
         if not ports:
             raise RecordingError(f"{path} is no recording: it has no array NAME with its instants NAME.time")
         head = RecordingHead("", "", "", ports)
@@ -84,6 +90,23 @@ def _archive(path: str) -> Iterator[Any]:
         yield archive
 
 
+def _of_array(values: Any, instants: Any, path: str, name: str) -> Type:
+    """The type of the values in an archive of another program: for each instant a number, or an array of numbers."""
+    import numpy
+
+    if instants.ndim != 1 or instants.dtype.kind not in "iuf" or not numpy.isfinite(instants).all():
+        raise RecordingError(f"{path}: {name}.time is no array of instants in seconds")
+    if values.ndim == 0 or len(values) != len(instants):
+        count = 1 if values.ndim == 0 else len(values)
+        raise RecordingError(f"{path} has {len(instants)} instants {name}.time, and {count} values of {name}")
+    if (numpy.diff(instants) < 0).any():
+        raise RecordingError(f"{path}: the instants {name}.time are not in their order")
+    kind = _of_dtype(values.dtype, path, name)
+    for size in reversed(values.shape[1:]):
+        kind = ArrayType(kind, size)
+    return kind
+
+
 def _of_dtype(kind: Any, path: str, name: str) -> Type:
     if kind.kind == "b":
         return BOOL
@@ -100,13 +123,12 @@ def open_table(path: str, ports: Sequence[RecordedPort] | None = None) -> Stored
     Raises RecordingError, with the line that is wrong, and OSError.
     """
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            columns = next(csv.reader(file), [])
+        with open(path, newline="", encoding=_ENCODING) as file:
+            columns = [name.strip() for name in next(csv.reader(file), [])]
             kinds = _guessed(file, columns) if ports is None else {}
     except (UnicodeDecodeError, csv.Error) as problem:
         raise RecordingError(f"{path} is no table: {problem}") from None
-    if not columns or columns[0] != "time":
-        raise RecordingError(f"{path}:1: is no recording: the first column of a recording is `time`")
+    _require_columns(path, columns)
     if ports is None:
         ports = [
             RecordedPort(name, kinds[name], "parameter" if name.startswith(f"{PARAMETERS}.") else "in")
@@ -121,6 +143,18 @@ def open_table(path: str, ports: Sequence[RecordedPort] | None = None) -> Stored
         last = part[-1][0]
     names = tuple(columns[1:])
     return StoredRecording(path, "table", head, reader.read, _is_whole(path), "", last, typed=False, columns=names)
+
+
+def _require_columns(path: str, columns: Sequence[str]) -> None:
+    if not columns or columns[0] != "time":
+        reason = "the first column of a recording is `time`"
+        for separator, name in ((";", "semicolons"), ("\t", "tabs")):
+            if columns and columns[0].startswith(f"time{separator}"):
+                reason = f"its cells are separated by {name}: write commas, and points in numbers"
+        raise RecordingError(f"{path}:1: is no recording: {reason}")
+    for name in columns:
+        if columns.count(name) > 1:
+            raise RecordingError(f"{path}:1: has the column `{name}` twice")
 
 
 def _is_whole(path: str) -> bool:
@@ -148,7 +182,7 @@ def _require_all_parameters(
 def _guessed(file: Any, columns: Sequence[str]) -> dict[str, Type]:
     kinds: dict[str, Type] = {}
     names: dict[str, dict[str, None]] = {}
-    for row in csv.reader(line for line in file if line.endswith("\n")):
+    for row in csv.reader((line for line in file if line.endswith("\n")), skipinitialspace=True):
         for name, cell in zip(columns, row, strict=False):
             if not cell or isinstance(kinds.get(name), RealType | EnumType):
                 if cell and name in names:
@@ -182,16 +216,21 @@ class _Table:
         """Instants and cells, part by part. A last row that was cut is left out."""
         part: list[tuple[int, list[str]]] = []
         width = len(self._columns)
-        with open(self._path, newline="", encoding="utf-8") as file:
+        before = -math.inf
+        with open(self._path, newline="", encoding=_ENCODING) as file:
             next(file)
             for number, line in enumerate(file, 2):
                 if not line.endswith("\n"):
                     break  # The process was killed while it was written.
-                cells = next(csv.reader([line]))
+                cells = next(csv.reader([line], skipinitialspace=True), [])
                 try:
                     if len(cells) != width:
                         raise ValueError(f"{len(cells)} cells, and there are {width} columns")
-                    part.append((round(float(cells[0]) * 1e9), cells))
+                    time = round(float(cells[0]) * 1e9)
+                    if time < before:
+                        raise ValueError(f"its time, {cells[0]} s, is before that of the row above it")
+                    before = time
+                    part.append((time, cells))
                 except (ValueError, OverflowError) as problem:
                     raise RecordingError(f"{self._path}:{number}: is no row of a recording: {problem}") from None
                 if len(part) == _ROWS:
