@@ -91,7 +91,7 @@ def test_a_failing_driver_is_named_with_its_port_and_outputs_are_released(
 ) -> None:
     assert _run(program, operation) == 1
     shown = capsys.readouterr()
-    assert f": driver Card failed to {words}: OSError: cable out\n" in shown.err
+    assert f": driver Card failed to {words}: OSError: cable out, at card.py:12\n" in shown.err
     assert shown.out.endswith("valve -1.0\nclosed\n")
 
 
@@ -121,7 +121,9 @@ def test_a_driver_that_does_not_close_is_reported_at_the_end(
     program: Path, options: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert _run(program, 4, *options) == 1
-    assert "driver Card failed to close at port Main.level: OSError: cable out\n" in capsys.readouterr().err
+    assert (
+        "driver Card failed to close at port Main.level: OSError: cable out, at card.py:12\n" in capsys.readouterr().err
+    )
 
 
 def test_a_package_says_when_and_then_why(program: Path, tmp_path: Path) -> None:
@@ -135,7 +137,7 @@ def test_a_package_says_when_and_then_why(program: Path, tmp_path: Path) -> None
     )
     last = result.stdout.splitlines()[-1]
     assert last.startswith("ended unsuccessfully at 10 ms, in ")
-    assert last.endswith(" s: driver Card failed to read at port Main.level: OSError: cable out")
+    assert last.endswith(" s: driver Card failed to read at port Main.level: OSError: cable out, at card.py:12")
     assert result.returncode == 1
 
 

@@ -18,9 +18,10 @@ class Place(str):
     process: str
     statement: str | None
 
-    def __new__(cls, process: str, statement: str | None = None) -> Place:
-        """The text is ``process (statement)``."""
-        place = super().__new__(cls, process if statement is None else f"{process} ({statement})")
+    def __new__(cls, process: str, statement: str | None = None, by_hand: str | None = None) -> Place:
+        """The text is ``process (statement), at by_hand``; the last is a line of code written by hand (``law.py:3``)."""
+        at = "" if by_hand is None else f", at {by_hand}"
+        place = super().__new__(cls, f"{process}{'' if statement is None else f' ({statement})'}{at}")
         place.process = process
         place.statement = statement
         return place
@@ -94,8 +95,9 @@ class RunFailed(RunEnded):
 class DriverError(Exception):
     """A driver failed at ``open``, ``read``, ``write`` or ``close``; the run ends with its outputs released."""
 
-    def __init__(self, driver: str, port: str, operation: str, cause: BaseException) -> None:
-        super().__init__(f"driver {driver} failed to {operation} at port {port}: {kind_and_text(cause)}")
+    def __init__(self, driver: str, port: str, operation: str, cause: BaseException, at: str | None = None) -> None:
+        where = "" if at is None else f", at {at}"
+        super().__init__(f"driver {driver} failed to {operation} at port {port}: {kind_and_text(cause)}{where}")
         self.driver = driver
         self.port = port
         self.operation = operation
@@ -104,8 +106,8 @@ class DriverError(Exception):
 class EnvironmentFailure(Exception):  # noqa: N818 - not a fault of the program
     """The plant or the operator of an environment failed; the run ends with its outputs released."""
 
-    def __init__(self, environment: str, cause: BaseException, place: str | None) -> None:
-        where = "" if place is None else f", in {place}"
+    def __init__(self, environment: str, cause: BaseException, place: str | None, at: str | None = None) -> None:
+        where = ("" if place is None else f", in {place}") + ("" if at is None else f", at {at}")
         super().__init__(f"the environment {environment} failed: {kind_and_text(cause)}{where}")
 
 

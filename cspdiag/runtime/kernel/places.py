@@ -20,12 +20,14 @@ from .executed import Executed
 _PLACE = re.compile(r"(?:^\s*|  )# (\S.*?\.csp:\d+)(?:  |\s*$)")
 _RUNTIME = (__package__ or "").rpartition(".")[0]
 """The package of the runtime, which may be inside a generated package."""
+_BY_HAND = ".external."
+"""How the name of the package ends into which bodies written by hand are copied, with a point."""
 _LIBRARY = os.path.dirname(os.__file__)
 
 
 def place_of(error: BaseException, process: Executed) -> Place:
     """The process with the source line of the statement that raised ``error`` or, if unknown, that of the process."""
-    return Place(process.name, statement_of(error) or process.source)
+    return Place(process.name, statement_of(error) or process.source, line_by_hand(error))
 
 
 def note_place(error: BaseException, process: Executed) -> None:
@@ -58,6 +60,20 @@ def statement_of(error: BaseException) -> str | None:
             place = source_line(frame.f_code, traceback.tb_lineno) or place
         traceback = traceback.tb_next
     return place
+
+
+def line_by_hand(error: BaseException) -> str | None:
+    """The innermost line of a body in Python that raised ``error``, or called what did (``law.py:3``); None if it was
+    none.
+    """
+    line: str | None = None
+    traceback: TracebackType | None = error.__traceback__
+    while traceback is not None:
+        frame = traceback.tb_frame
+        if f"{frame.f_globals.get('__package__')}.".endswith(_BY_HAND):
+            line = f"{os.path.basename(frame.f_code.co_filename)}:{traceback.tb_lineno}"
+        traceback = traceback.tb_next
+    return line
 
 
 def raised_by_program(error: BaseException) -> bool:

@@ -14,7 +14,7 @@ from typing import Any, NoReturn, Protocol, TypeAlias
 from ..channels.selector import raise_bits
 from ..kernel.durations import ms
 from ..kernel.exceptions import EnvironmentFailure, fault_of
-from ..kernel.places import raised_by_program, statement_of
+from ..kernel.places import line_by_hand, raised_by_program, statement_of
 from ..kernel.scheduler import Scheduler, Task, present
 from ..kernel.stopping import stopping
 from .drivers import Signal
@@ -59,7 +59,7 @@ def failure_of(environment: str, error: BaseException) -> EnvironmentFailure:
     place = statement_of(error)
     if isinstance(error, ArithmeticError) and raised_by_program(error):
         return EnvironmentFailure(environment, fault_of(error, None), place)
-    return EnvironmentFailure(environment, error, place)
+    return EnvironmentFailure(environment, error, place, line_by_hand(error))
 
 
 def _in_turn(ports: Sequence[_Passing], late: int) -> Iterator[Callable[[], None]]:

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..kernel.exceptions import DriverError
+from ..kernel.places import line_by_hand
 from ..kernel.stopping import stopping
 from ..real_time.preference import shift_priority
 from .drivers import NO_SAMPLE, name_of
@@ -85,7 +86,8 @@ class ThreadLine:
     def fail(self, error: BaseException) -> None:
         """A call has failed: ends the run, unless that is over."""
         if not self.closing:
-            self.bring(DriverError(self.what.driver, self.what.port, self.what.operation, error))
+            what = self.what
+            self.bring(DriverError(what.driver, what.port, what.operation, error, line_by_hand(error)))
 
     def work(self) -> None:
         """What the thread does."""

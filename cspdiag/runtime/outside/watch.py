@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any, Final, NamedTuple, TypeVar
 
 from ..kernel.exceptions import DriverError, HangError, RunFailed
-from ..kernel.places import whereabouts
+from ..kernel.places import line_by_hand, whereabouts
 from ..kernel.signals import left_to_the_main_thread, name_of_signal
 from ..kernel.stopping import Stopped, stopping
 from ..real_time.preference import shift_priority
@@ -33,7 +33,7 @@ class Call(NamedTuple):
 
     def failed(self, error: BaseException) -> DriverFailed:
         """The exception that ends the run."""
-        return DriverFailed(DriverError(self.driver, self.port, self.operation, error))
+        return DriverFailed(DriverError(self.driver, self.port, self.operation, error, line_by_hand(error)))
 
     def hangs(self) -> DriverFailed:
         """The exception for a call that has not returned in time."""
