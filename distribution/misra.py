@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[1]
 RECORD = ROOT / "docs" / "misra.md"
 MODELS = ("buffer", "cascade", "commstime", "dining", "emergency", "jiwy", "ring", "watchdog")
 _OF_A_HOST = re.compile(
-    r"csp_(linear|signals|simulation|stream|tuning|watch|port_(posix|simulation|board)|run|platform|leaf)"
+    r"csp_(linear|signals|simulation|steering|stream|tuning|watch|port_(posix|simulation|board)|run|platform|leaf)"
 )
 """Files that are not on a target: simulation, recordings, POSIX."""
 _IN_ASSEMBLY = "csp_port_cortex_m"

@@ -16,8 +16,8 @@ PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wcast-qual", "-Wshadow", "-Werror")
 SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
 HOSTED = (
-    "csp_linear.c", "csp_signals.c", "csp_simulation.c", "csp_simulation_posix.c", "csp_stream.c", "csp_stream_posix.c",
-    "csp_tuning_posix.c", "csp_watch.c",
+    "csp_linear.c", "csp_signals.c", "csp_simulation.c", "csp_simulation_posix.c", "csp_steering_posix.c",
+    "csp_stream.c", "csp_stream_posix.c", "csp_tuning_posix.c", "csp_watch.c",
 )  # fmt: skip
 """Files for a run on a host, which are not part of the kernel."""
 

@@ -54,7 +54,7 @@ def built(folder: Path, program: Path, main: Path, *options: str) -> Path:
     for path, text in pipeline.generate(network_of(read(str(program))), read, "c").items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)
-    hosted = ("csp_port_", "csp_simulation", "csp_stream", "csp_tuning", "main_")
+    hosted = ("csp_port_", "csp_simulation", "csp_steering", "csp_stream", "csp_tuning", "main_")
     sources = [file for file in sorted(folder.rglob("*.c")) if not file.name.startswith(hosted)]
     flags = (*STRICT, "-O1", *options, "-DCSP_TRACE=0", f"-I{folder}", f"-I{folder / 'support'}")
     port = folder / "support" / "csp_port_posix.c"

@@ -18,7 +18,10 @@ from tests.support.compiling import compile_once
 ROOT = Path(__file__).parents[2]
 PLATFORM = "csp_platform"
 """What belongs to the process of the operating system, or to the machine: which run its handlers stop."""
-HOSTED = ("main_", "csp_linear", "csp_port_", "csp_signals", "csp_simulation", "csp_stream", "csp_tuning", "csp_watch")
+HOSTED = (
+    "main_", "csp_linear", "csp_port_", "csp_signals", "csp_simulation", "csp_steering", "csp_stream", "csp_tuning",
+    "csp_watch",
+)  # fmt: skip
 PROGRAMS = ("models/jiwy/jiwy.csp", "models/dining/dining.csp", "tests/c_kernel/devices/machine.csp")
 
 

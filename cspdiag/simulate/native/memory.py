@@ -111,6 +111,7 @@ def _is_of_simulation(path: str) -> bool:
         "csp_port_",
         "csp_signals",
         "csp_simulation",
+        "csp_steering",
         "csp_stream",
         "csp_tuning",
         "csp_watch",

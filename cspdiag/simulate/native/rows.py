@@ -6,7 +6,7 @@ They become arrays or objects only when they are read.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from cspdiag.base.record import record
@@ -113,27 +113,43 @@ class PassedRows:
             self._sort_rows()
 
     @property
+    def size(self) -> int:
+        """How many bytes the records have that are kept in their order."""
+        return sum(map(len, self.parts))
+
+    @property
+    def parts(self) -> Sequence[bytes]:
+        """The records that are kept in their order."""
+        return self._rows if self._keeps_order else ()
+
+    @property
     def communications(self) -> Iterator[tuple[int, str, object, str, str]]:
         """All communications in order, each as the fields of ``Communication``."""
         running: dict[str, None] = {}
         parties = Parties(self._network, running)
-        for data in self._rows if self._keeps_order else []:
-            for position in range(0, len(data), SIZE):
-                kind, number, time, writer, reader, _ = ROW.unpack_from(data, position)
-                if kind == Kind.COMMUNICATION:
-                    channel = self.channels[number]
-                    source = parties.writer(channel.name, self.processes[writer])
-                    sink = parties.reader(channel.name, self.processes[reader])
-                    yield time, channel.name, channel.value(data, position), source, sink
-                elif kind == Kind.BEGIN:
-                    running[self.processes[number]] = None
-                elif kind == Kind.END:
-                    running.pop(self.processes[number], None)
+        for data in self.parts:
+            yield from self.decoded(data, range(0, len(data), SIZE), parties, running)
+
+    def decoded(
+        self, data: bytes, positions: Iterable[int], parties: Parties, running: dict[str, None]
+    ) -> Iterator[tuple[int, str, object, str, str]]:
+        """The communications at these positions; what begins and ends there is noted in ``running``."""
+        for position in positions:
+            kind, number, time, writer, reader, _ = ROW.unpack_from(data, position)
+            if kind == Kind.COMMUNICATION:
+                channel = self.channels[number]
+                source = parties.writer(channel.name, self.processes[writer])
+                sink = parties.reader(channel.name, self.processes[reader])
+                yield time, channel.name, channel.value(data, position), source, sink
+            elif kind == Kind.BEGIN:
+                running[self.processes[number]] = None
+            elif kind == Kind.END:
+                running.pop(self.processes[number], None)
 
     @property
     def samples(self) -> Iterator[tuple[int, str, object]]:
         """All samples in order: time in nanoseconds, port, value."""
-        for data in self._rows if self._keeps_order else []:
+        for data in self.parts:
             for position in range(0, len(data), SIZE):
                 kind, number, time, *_ = ROW.unpack_from(data, position)
                 if kind == Kind.SAMPLE:

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from io import BufferedIOBase
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import TYPE_CHECKING, Literal
+from typing import IO, TYPE_CHECKING, Literal
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.package.linkage import NAMES, NO_NAMES
@@ -27,7 +27,7 @@ from cspdiag.simulate.native.monitor import ProgramMonitor
 from cspdiag.simulate.native.recorded_inputs import VARIABLE, with_recorded_inputs, write_inputs
 from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import PassedRows
-from cspdiag.simulate.native.stream import CHUNK, StreamReader
+from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader
 from cspdiag.simulate.native.supervisor import Supervisor
 from cspdiag.simulate.native.tuning import GivenChanges, LiveChanges, given_changes
 from cspdiag.simulate.record.recorder import Recorder
@@ -69,7 +69,10 @@ class NativeRun:
         return self.monitor.running_processes
 
 
-POSIX_SOURCES = ("csp_signals.c", "csp_simulation_posix.c", "csp_stream_posix.c", "csp_tuning_posix.c", "csp_watch.c")
+POSIX_SOURCES = (
+    "csp_signals.c", "csp_simulation_posix.c", "csp_steering_posix.c", "csp_stream_posix.c", "csp_tuning_posix.c",
+    "csp_watch.c",
+)  # fmt: skip
 """The files of the kernel for simulations on this machine only."""
 
 _ENDINGS: tuple[Ending, ...] = ("terminated", "failed", "deadlock", "time limit", "stopped")
@@ -197,7 +200,7 @@ class NativeProgram:
         if kept is not None and recording is not None:
             passed = RecordedRows(self.network, recording, None if observed == "signals" else kept)
         try:
-            with _variables(inputs) as variables, given_changes(self.network, changes, live=live) as given:
+            with variables_of(inputs) as variables, given_changes(self.network, changes, live=live) as given:
                 outcome = _run(self, [*words, *given.words], variables, recorder, passed, on_start, given)
         finally:
             if isinstance(passed, RecordedRows):
@@ -219,15 +222,19 @@ def _chosen_sources(files: Iterable[str], real_time: bool, board: Board | None =
 
 
 @contextmanager
-def _started(
+def started(
     program: NativeProgram,
     words: list[str],
     variables: Mapping[str, str],
     monitor: ProgramMonitor,
     given: GivenChanges,
+    descriptors: tuple[int, ...] = (),
+    errors: IO[bytes] | int = subprocess.PIPE,
 ) -> Iterator[tuple[subprocess.Popen[bytes], BufferedIOBase]]:
-    """The program as a process, and what it writes. It has a session of its own: Ctrl-C reaches this process, which
-    forwards it once, so outputs are released and everything is reported.
+    """The program as a process, which inherits ``descriptors``, and what it writes; texts for people go to ``errors``.
+
+    It has a session of its own: Ctrl-C reaches this process, which forwards it once, so outputs are released and
+    everything is reported.
     """
     reading, writing = os.pipe()
     lifeline, held = os.pipe()
@@ -244,20 +251,26 @@ def _started(
                 stdin=subprocess.DEVNULL if on_board else None,
                 stdout=subprocess.DEVNULL if on_board else writing,
                 # Against the clock the program itself reports how late it met the instants.
-                stderr=None if program.real_time else subprocess.PIPE,
+                stderr=None if program.real_time else errors,
                 start_new_session=True,
-                pass_fds=[*([writing] if on_board else [monitor.descriptor, lifeline]), *given.descriptors],
+                pass_fds=[
+                    *([writing] if on_board else [monitor.descriptor, lifeline]),
+                    *given.descriptors,
+                    *descriptors,
+                ],
             )
         finally:
             os.close(writing)
             os.close(lifeline)
             given.program_started()
+        monitor.started()
+        _enlarge(stream)
         with running:
             yield running, stream
 
 
 @contextmanager
-def _variables(inputs: RecordedInputs | None) -> Iterator[Mapping[str, str]]:
+def variables_of(inputs: RecordedInputs | None) -> Iterator[Mapping[str, str]]:
     """The environment variables of a program with these inputs, which are in a file as long as it runs."""
     if inputs is None:
         yield {}
@@ -280,11 +293,9 @@ def _run(
     with (
         stopping,
         ProgramMonitor() as monitor,
-        _started(program, words, variables, monitor, given) as (running, stream),
+        started(program, words, variables, monitor, given) as (running, stream),
         Supervisor(running) as supervisor,
     ):
-        monitor.started()
-        _enlarge(stream)
         reader = StreamReader(
             stream, program.network, recorder, passed, changes=given.changes, flattened=program.flattened
         )
@@ -333,12 +344,22 @@ def _outcome(
         if supervisor.killed:
             outcome.release_errors.append(supervisor.kill_error)
         return outcome
-    ended = _ENDINGS[end.ending]
-    outcome = Outcome(ended, end.time, missed=reader.missed, wall_time=end.duration)
-    if ended == "stopped":
+    outcome = reported_outcome(reader, end, environment, network)
+    if outcome.ended == "stopped":
         outcome.signal = supervisor.signal or signal.SIGTERM
     if supervisor.killed:
         outcome.release_errors.append(supervisor.kill_error)
+    return outcome
+
+
+def reported_outcome(
+    reader: StreamReader, end: EndRecord, environment: Environment | None, network: CoreNetwork
+) -> Outcome:
+    """How the run ended, as the program has reported it."""
+    from cspdiag.runtime import Outcome
+
+    ended = _ENDINGS[end.ending]
+    outcome = Outcome(ended, end.time, missed=reader.missed, wall_time=end.duration)
     if ended == "failed":
         outcome.error = failure_of(
             end.exception, end.message, end.place, "" if environment is None else environment.name

@@ -10,6 +10,7 @@ from functools import cached_property
 from io import BufferedIOBase
 from typing import TYPE_CHECKING
 
+from cspdiag.base.record import record
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.deadlock.waiting import WaitingRecord, broadcast_readers
@@ -29,6 +30,7 @@ CHUNK = 1 << 20
 _PAYLOAD = 8
 """Where the bytes of a text begin in a row."""
 _NO_END = 2**32 - 1
+_NEVER = 2**63 - 1
 _DURATION = struct.Struct("=d")
 _HAVE_VALUES = (Kind.COMMUNICATION, Kind.RELEASE, Kind.SAMPLE)
 _TEXTS = {Kind.CHANNEL: 1, Kind.PROCESS: 2, Kind.WAITING: 4, Kind.END_OF_RUN: 3}
@@ -47,6 +49,16 @@ class EndRecord:
     place: str
 
 
+@record
+class HeldRecord:
+    """A steered run waits for an order: whether it has reached the instant of the last order, and the next instant at
+    which something may happen; None if there is none.
+    """
+
+    reached: bool
+    next: int | None
+
+
 @dataclass
 class StreamReader:
     """Tells a recorder about the processes of one run of a network, and keeps the values that are passed."""
@@ -62,10 +74,14 @@ class StreamReader:
     """Whether processes are inlined in the thread that runs them, as with ``-O1``."""
     now: int = 0
     end: EndRecord | None = None
+    held: HeldRecord | None = None
+    """Where a steered run waits for an order; its reader forgets it before the next."""
     missed: dict[str, int] = field(default_factory=dict)
     waiting: list[WaitingRecord] = field(default_factory=list)
     _channels: dict[int, str] = field(default_factory=dict)
     _processes: dict[int, tuple[str, str]] = field(default_factory=dict)
+    _rest: bytes = b""
+    """Of a record of which not everything has been read."""
     _head: tuple[int, ...] = ()
     """The fields of the record whose texts are being read."""
     _texts: list[str] = field(default_factory=list)
@@ -79,12 +95,18 @@ class StreamReader:
 
     def read(self) -> None:
         """Read all records, to the end of the stream. Raises EOFError if it ends in the middle of one."""
-        rest = b""
-        while more := self.stream.read1(CHUNK):  # Whatever is available, without waiting for more.
-            data = rest + more if rest else more
-            rest = data[self._take(data) :]
-        if rest or self._head:
+        while self.read_some():
+            pass
+
+    def read_some(self) -> bool:
+        """Read what is available, at least one byte; False at the end of the stream. Raises EOFError, too."""
+        more = self.stream.read1(CHUNK)
+        if more:
+            data = self._rest + more if self._rest else more
+            self._rest = data[self._take(data) :]
+        elif self._rest or self._head:
             raise EOFError("the program ended in the middle of a record")
+        return bool(more)
 
     def _take(self, data: bytes) -> int:
         """Take the records that are whole; returns how many bytes they have."""
@@ -182,7 +204,7 @@ class StreamReader:
         if self.passed is not None:
             self.passed.channels[number] = channel
 
-    def _take_event(self, kind: int, number: int, time: int, first: int, _reader: int, value: int) -> None:
+    def _take_event(self, kind: int, number: int, time: int, first: int, second: int, value: int) -> None:
         match kind:
             case Kind.BEGIN:
                 self.now = time
@@ -198,6 +220,8 @@ class StreamReader:
                     self.recorder.execution_time(path, time, value, "thread" if self.flattened else "process")
             case Kind.PRESENT:
                 self.now = time
+                if first:
+                    self.held = HeldRecord(bool(second), value if value < _NEVER else None)
             case Kind.CHANGED if value:
                 change = self.changes[number]
                 self._refusals.made(change)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.network.ir.network import CoreNetwork, Environment
@@ -12,6 +13,7 @@ from cspdiag.runtime.kernel.durations import END_OF_TIME
 from cspdiag.runtime.outcome import Outcome
 from cspdiag.runtime.outside.drivers import Signal
 from cspdiag.runtime.outside.sampled_inputs import SampledInput
+from cspdiag.simulate.record.history import History, histories_of
 from cspdiag.simulate.record.recorder import Activity, Recorder
 from cspdiag.simulate.run.execute import built, chosen_environment, explain
 from cspdiag.simulate.run.package import LoadedPackage
@@ -43,15 +45,34 @@ class LiveRecorder(Recorder):
         self.ended.append((time, path))
         self.running.pop(path, None)
 
+    @property
+    def count(self) -> int:
+        """How many communications there were."""
+        return len(self.communication_log) // 5
+
+    def last_communications(self, most: int) -> Iterator[Any]:
+        """The last of them, each as the fields of ``Communication``."""
+        return islice(self.communications, max(0, self.count - most), None)
+
+    def port_histories(self, ports: Collection[str]) -> Mapping[str, History]:
+        """What passed the external ports, with safe values."""
+        passed = (entry for entry in self.communications if entry[1] in ports)
+        released = ((time, port, value, "", "") for time, port, value in self.releases if port in ports)
+        return histories_of((*passed, *released), self.samples)
+
     def taken(self) -> LiveRecorder:
         """What happened until now, which this one forgets."""
         found = LiveRecorder()
+        self.hand_to(found)
+        return found
+
+    def hand_to(self, found: LiveRecorder) -> None:
+        """Let another one have what happened until now."""
         found.running = dict(self.running)
         for name in ("communication_log", "sample_log", "releases", "changes", "refused", "begun", "ended"):
             happened: list[Any] = getattr(self, name)
             setattr(found, name, happened.copy())
             happened.clear()  # The run keeps adding to the same lists.
-        return found
 
 
 class LiveRun:
@@ -158,6 +179,13 @@ class LiveRun:
     def step(self, wants_pause: Callable[[], bool]) -> bool:
         """Continue until, after a step of a process, a pause is wanted; False if one was."""
         return self._reached(self._run.step(self._until, wants_pause), self._until)
+
+    def communicate(self, count: int, wants_pause: Callable[[], bool]) -> bool:
+        """Continue until, after a step of a process, that many more values were communicated, or a pause is wanted:
+        then False.
+        """
+        goal = self.recorder.count + count
+        return self.step(lambda: self.recorder.count >= goal or wants_pause())
 
     def _reached(self, reached: bool, until: int) -> bool:
         if reached and until >= self._until:

@@ -97,19 +97,22 @@ class Engine:
     def _hello(self, params: Data) -> Data:
         from cspdiag import __version__
         from cspdiag.codegen import TARGETS
+        from cspdiag.studio.engine.live.native import why_not_native
         from cspdiag.studio.engine.models import models
 
         is_machine = self._kind == "machine"
+        not_native = why_not_native() if is_machine else "in a browser programs run in Python"
         found: Data = {
             "engine": self._kind,
             "version": __version__,
             "able": {
                 "numpy": find_spec("numpy") is not None,
-                "native": False,
+                "native": not_native is None,
                 "devices": is_machine,
                 "real_time": is_machine,
                 "save": False,
             },
+            "unable": {} if not_native is None else {"native": not_native},
             "targets": list(TARGETS),
             "models": models(),
         }
@@ -183,6 +186,8 @@ class Engine:
 
         if params.get("real_time") and self._kind == "browser":
             raise RequestError("in a browser programs run in virtual time", "`cspdiag studio FILE` has real time")
+        if params.get("target") == "c" and self._kind == "browser":
+            raise RequestError("in a browser programs run in Python", "`cspdiag studio FILE` has native code")
         self.close()
         self._sessions += 1
         self._session = Session(self._sessions, self._programs.files_of(params), params, self._notify)

@@ -90,6 +90,11 @@ const csp_tuning *csp_host_tuning(void)
     return NULL;
 }
 
+csp_ending csp_host_run(csp_kernel *csp, int64_t until)
+{
+    return csp_run(csp, until);
+}
+
 double csp_host_seconds(void)
 {
     return (double)csp_board_call((uint32_t)CLOCK, NULL) / (double)HUNDREDTHS;

@@ -176,7 +176,7 @@ int csp_simulate(int count, char **options, csp_kernel *csp, const csp_names *na
         program.tuning->make(csp, 0);
     }
     const double began = csp_host_seconds();
-    const csp_ending ending = csp_run(csp, parsed.until);
+    const csp_ending ending = csp_host_run(csp, parsed.until);
     const double duration = csp_host_seconds() - began;
     const int status = csp_host_status(ending);
     if (parsed.observed == CSP_SILENT) {

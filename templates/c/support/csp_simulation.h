@@ -28,6 +28,7 @@ typedef struct csp_names {
  *     --for NANOSECONDS     ends at this time
  *     --lifeline NUMBER     ends when the other end of the pipe with this descriptor is closed, and by SIGTERM
  *     --tune FILE           changes parameters as the records in the file or pipe say (csp_tuning.h)
+ *     --steer NUMBER        advances by the orders in the pipe with this descriptor (csp_steering.h)
  *     --observe all|ports|signals|none    writes events to standard output, in the records of csp_stream.h (with CSP_TRACE)
  *
  * The exit status: 0 if the program ended by itself or at its time limit, 1 if it failed or cannot continue, 2 for a wrong option; 128 plus

@@ -16,6 +16,9 @@ void csp_host_begin(void);
 /* What changes parameters during the run; NULL: nothing. */
 const csp_tuning *csp_host_tuning(void);
 
+/* csp_run, unless the run is steered. */
+csp_ending csp_host_run(csp_kernel *csp, int64_t until);
+
 /* The time since any instant, in seconds. */
 double csp_host_seconds(void);
 

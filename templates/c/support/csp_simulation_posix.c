@@ -8,9 +8,10 @@
 #include <time.h>
 
 #include "csp_signals.h"
+#include "csp_steering.h"
 #include "csp_tuning.h"
 
-const char csp_host_options[] = "[--lifeline DESCRIPTOR] [--checks DESCRIPTOR] [--tune FILE]";
+const char csp_host_options[] = "[--lifeline DESCRIPTOR] [--checks DESCRIPTOR] [--tune FILE] [--steer DESCRIPTOR]";
 
 static int64_t lifeline = -1; /* the descriptor of a pipe at whose end it ends; negative: none */
 static int64_t listener = -1; /* the descriptor for a line about each check of the run; negative: none */
@@ -22,6 +23,9 @@ bool csp_host_option(const char *option, const char *value)
     }
     if (strcmp(option, "--tune") == 0) {
         return csp_tuning_open(value);
+    }
+    if (strcmp(option, "--steer") == 0) {
+        return csp_steering_open(value);
     }
     return (strcmp(option, "--checks") == 0) && csp_read_number(value, &listener);
 }
@@ -38,6 +42,11 @@ void csp_host_begin(void)
 const csp_tuning *csp_host_tuning(void)
 {
     return csp_tuning_opened();
+}
+
+csp_ending csp_host_run(csp_kernel *csp, int64_t until)
+{
+    return csp_is_steered() ? csp_run_steered(csp, until) : csp_run(csp, until);
 }
 
 double csp_host_seconds(void)

@@ -35,6 +35,7 @@ enum {
 };
 
 static bool silent;
+static uint64_t communications;
 
 #if CSP_MEASURE
 
@@ -153,6 +154,7 @@ void csp_observe(csp_kernel *csp, uint32_t channel, const void *value, uint32_t 
 {
     if ((channel < observed_channels) && !(only_signals && (ports[channel].kind == CSP_PORT_SAMPLED))) {
         put_value(csp, COMMUNICATION, channel, value, writer, reader);
+        communications++;
     }
 }
 
@@ -254,6 +256,37 @@ void csp_stream_present(csp_kernel *csp)
     }
 }
 
+/* The samples that were missed until now, of inputs that have missed at least `least`. */
+static void report_misses(csp_kernel *csp, uint32_t least)
+{
+    for (uint32_t index = 0; index < csp->program->port_count; index++) {
+        if (csp->program->ports[index].kind == CSP_PORT_SAMPLED) {
+            const csp_medium *const medium = csp_medium_of(csp, &csp->program->ports[index]);
+            const uint32_t missed = ((const csp_sampled_input *)(const void *)medium)->missed;
+            if (missed >= least) {
+                begin_record(csp, MISSED, medium->number)->writer = missed;
+                completes();
+            }
+        }
+    }
+}
+
+void csp_stream_held(csp_kernel *csp, bool reached, int64_t next)
+{
+    report_misses(csp, 1U);
+    csp_row *const added = begin_record(csp, PRESENT, 0);
+    added->writer = 1U;
+    added->reader = reached ? 1U : 0U;
+    added->value = (uint64_t)next;
+    completes();
+    flush(csp);
+}
+
+uint64_t csp_stream_communications(void)
+{
+    return communications;
+}
+
 void csp_stream_change(csp_kernel *csp, uint32_t number, int64_t instant, bool made)
 {
     if (!silent) {
@@ -309,6 +342,32 @@ static void report_waiting_process(csp_kernel *csp, const csp_waiting_process *w
             report_waiting_at(csp, &entry);
         }
     }
+}
+
+static bool is_ready(csp_kernel *csp, const csp_party *party)
+{
+    for (uint32_t level = 0U; level < (uint32_t)CSP_LEVELS; level++) {
+        for (const csp_party *ready = csp->ready[level].first; ready != NULL; ready = ready->next) {
+            if (ready == party) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void report_if_waiting(csp_kernel *csp, const csp_waiting_process *waiting, void *context)
+{
+    csp_wait_entry entry;
+    csp_process *const process = (csp_process *)(uintptr_t)(const void *)waiting->process;
+    if (csp_wait_of(waiting, 0U, &entry) && !is_ready(csp, &csp_task_of(process)->party)) {
+        report_waiting_process(csp, waiting, context);
+    }
+}
+
+void csp_stream_waiting(csp_kernel *csp)
+{
+    csp_report_waiting(csp, report_if_waiting, NULL);
 }
 
 /* Writes exception, message and place. A fault of the environment remains in `csp_fault`. */
@@ -418,13 +477,7 @@ bool csp_stream_end(csp_kernel *csp, csp_ending ending, double duration)
     if (ending == CSP_DEADLOCK) {
         csp_report_waiting(csp, report_waiting_process, NULL);
     }
-    for (uint32_t index = 0; index < csp->program->port_count; index++) {
-        if (csp->program->ports[index].kind == CSP_PORT_SAMPLED) {
-            const csp_medium *const medium = csp_medium_of(csp, &csp->program->ports[index]);
-            begin_record(csp, MISSED, medium->number)->writer = ((const csp_sampled_input *)(const void *)medium)->missed;
-            completes();
-        }
-    }
+    report_misses(csp, 0U);
     (void)memcpy(&begin_record(csp, END_OF_RUN, (uint32_t)ending)->value, &duration, sizeof duration);
     put_failure(csp, ending == CSP_FAILED);
     completes();

@@ -18,7 +18,8 @@
  *    12  a sample of a sampled input, read or not: the number of the channel, the first 8 bytes of the value
  *    13  the process before waits at a channel: its number, and 2^32 - 1 as writer; then, for each end of a broadcast that has not taken the value, the same with
  *        the number of that end
- *    14  the present instant, as time
+ *    14  the present instant, as time; if the run waits to be steered, 1 as writer, as reader whether it has reached the instant of its order,
+ *        the next instant as value
  *    15  a change of a parameter: its number, the instant at which it is made as time, 1 as value; 0: it was refused
  *
  * So a reader finds the records of one kind without reading the others. Whole records are sent: when there are many, ten times a second, and when the program
@@ -42,6 +43,12 @@ typedef enum csp_observed {
 void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed observed);
 /* Reports the present instant, between two turns of the run. */
 void csp_stream_present(csp_kernel *csp);
+/* Reports that the run waits to be steered (csp_steering.h), and sends everything. */
+void csp_stream_held(csp_kernel *csp, bool reached, int64_t next);
+/* Reports the processes that wait, between two steps, in the records for a deadlock. */
+void csp_stream_waiting(csp_kernel *csp);
+/* How many communications were reported. */
+uint64_t csp_stream_communications(void);
 /* Reports a change of a parameter, before anything happens at the instant. */
 void csp_stream_change(csp_kernel *csp, uint32_t number, int64_t instant, bool made);
 /* To be called after the run; false: not everything could be written. */

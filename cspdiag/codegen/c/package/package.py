@@ -39,6 +39,7 @@ _SIMULATION = (
     "csp_signals.c",
     "csp_simulation.c",
     "csp_simulation_posix.c",
+    "csp_steering_posix.c",
     "csp_stream.c",
     "csp_stream_posix.c",
     "csp_tuning_posix.c",

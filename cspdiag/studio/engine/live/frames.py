@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.record.held import Column, columns_of
-from cspdiag.simulate.record.history import histories_of
 from cspdiag.simulate.record.modes import mode_groups
 from cspdiag.studio.engine.data import Data
 from cspdiag.studio.engine.values import shown_values, value_data
@@ -17,6 +15,7 @@ from cspdiag.studio.engine.values import shown_values, value_data
 if TYPE_CHECKING:
     from cspdiag.model.types import Type
     from cspdiag.simulate.run.live import LiveRecorder, LiveRun
+    from cspdiag.simulate.steered.run import SteeredRun
 
 MOST_COMMUNICATIONS = 200
 """The last of them are shown."""
@@ -26,7 +25,7 @@ MOST_WAITING = 200
 class Frames:
     """Makes the frames of a run, and says what is in them."""
 
-    def __init__(self, run: LiveRun) -> None:
+    def __init__(self, run: LiveRun | SteeredRun) -> None:
         self._run = run
         network = run.network
         self._columns = columns(network)
@@ -52,11 +51,10 @@ class Frames:
         return lambda: {**about, **self._happened(recorder)}
 
     def _happened(self, recorder: LiveRecorder) -> Data:
-        count = len(recorder.communication_log) // 5
         return {
             "signals": self._signals(recorder),
-            "communications": self._communications(recorder, count),
-            "omitted": max(0, count - MOST_COMMUNICATIONS),
+            "communications": self._communications(recorder),
+            "omitted": max(0, recorder.count - MOST_COMMUNICATIONS),
             "started": [path for _, path in recorder.begun],
             "ended": [path for _, path in recorder.ended],
             "running": list(recorder.running),
@@ -68,9 +66,7 @@ class Frames:
         }
 
     def _signals(self, recorder: LiveRecorder) -> dict[str, Data]:
-        passed = (entry for entry in recorder.communications if entry[1] in self._ports)
-        released = ((time, port, value, "", "") for time, port, value in recorder.releases if port in self._ports)
-        found = histories_of((*passed, *released), recorder.samples)
+        found = recorder.port_histories(self._ports)
         return {
             column.name: {
                 "t": found[column.channel].time.tolist(),
@@ -82,12 +78,11 @@ class Frames:
             if column.channel in found
         }
 
-    def _communications(self, recorder: LiveRecorder, count: int) -> list[Data]:
-        shown: Iterable[Any] = islice(recorder.communications, max(0, count - MOST_COMMUNICATIONS), None)
+    def _communications(self, recorder: LiveRecorder) -> list[Data]:
         return [
             {"t": time, "channel": channel, "writer": writer or None, "reader": reader or None,
              "value": value_data(value, self._types.get(channel))}
-            for time, channel, value, writer, reader in shown
+            for time, channel, value, writer, reader in recorder.last_communications(MOST_COMMUNICATIONS)
         ]  # fmt: skip
 
     def _mode_changes(self, begun: Iterable[tuple[int, str]], ended: Iterable[tuple[int, str]]) -> list[Data]:
@@ -117,7 +112,7 @@ def columns(network: CoreNetwork) -> list[Column[Any]]:
     ]
 
 
-def waiting(run: LiveRun) -> list[Data]:
+def waiting(run: LiveRun | SteeredRun) -> list[Data]:
     """Which process waits for what, in text order."""
     return [
         {"process": path, "channels": list(channels), "for": words, "place": place}

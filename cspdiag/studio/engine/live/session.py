@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from cspdiag.network.ir.network import CoreNetwork, ExternalPort
     from cspdiag.runtime import Outcome
     from cspdiag.simulate.record.stored.inputs import RecordedInputs
+    from cspdiag.simulate.steered.run import SteeredRun
     from cspdiag.studio.engine.programs import Files
 
     Tell = Callable[[str, Callable[[], Data]], object]
@@ -55,6 +56,11 @@ class Session:
         self._real_time = params.get("real_time", False)
         if not isinstance(self._real_time, bool):
             raise RequestError("`real_time` is true or false")
+        self._target = params.get("target", "python")
+        if self._target not in ("python", "c"):
+            raise RequestError("`target` is python or c")
+        if self._real_time and self._target == "c":
+            raise RequestError("in real time the studio runs Python", "`cspdiag run --real-time --target c` runs C")
         built = pipeline.build(
             files.source,
             files.read,
@@ -70,9 +76,7 @@ class Session:
         self._network = network
         if inputs is not None:
             limit = inputs.end if limit is None else min(limit, inputs.end)
-        with file_errors():
-            package = pipeline.generate(network, files.read, level=1, traced=True, observed=True)
-        self._run = LiveRun(network, package, environment, limit, real_time=self._real_time, inputs=inputs)
+        self._run = self._started(files, environment, limit, inputs)
         self._until = limit
         self._frames = Frames(self._run)
         self._ports = {port.name: port for port in network.external_ports}
@@ -81,6 +85,17 @@ class Session:
         """An instant of the clock in seconds, and the instant of the run that belongs to it."""
         self._due = 0.0
         self._has_ended = False
+
+    def _started(
+        self, files: Files, environment: str | None, until: int | None, inputs: RecordedInputs | None
+    ) -> LiveRun | SteeredRun:
+        with file_errors():
+            if self._target == "c":
+                from cspdiag.studio.engine.live.native import native_run
+
+                return native_run(self._network, files.read, environment, until, inputs)
+            package = pipeline.generate(self._network, files.read, level=1, traced=True, observed=True)
+        return LiveRun(self._network, package, environment, until, real_time=self._real_time, inputs=inputs)
 
     def _given(
         self, network: CoreNetwork, environment: str | None, recording: str | None
@@ -104,6 +119,7 @@ class Session:
             "top": self._network.top,
             "environment": None if environment is None else environment.name,
             "real_time": self._real_time,
+            "target": self._target,
             "signals": [
                 {"name": name, "direction": port.direction, **about(kind), "hand": path == () and self._is_free(port),
                  "period": None if port.sampling is None else port.sampling.period}
@@ -157,9 +173,7 @@ class Session:
         self._speed = None
         over = time.perf_counter() + _PATIENCE
         if by == "communication":
-            log = self._run.recorder.communication_log
-            goal = 5 * count
-            self._run.step(lambda: len(log) >= goal or time.perf_counter() > over)
+            self._run.communicate(count, lambda: time.perf_counter() > over)
         else:
             for _ in range(count):
                 if not self._step_instant(over):
@@ -240,6 +254,7 @@ class Session:
 
     def _keep_pace(self) -> None:
         if self._speed is not None:
+            assert isinstance(self._run, LiveRun)
             self._run.advance(self._run.present + round(INTERVAL * 1e9), lambda: False)
             self._show()
 

@@ -1,0 +1,270 @@
+/* See csp_steering.h. */
+#define _POSIX_C_SOURCE 200809L /* poll */
+
+#include "csp_steering.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "csp_internal.h"
+#include "csp_port.h"
+#include "csp_shared.h"
+#include "csp_simulation_host.h"
+#include "csp_stream.h"
+
+/* The steps of processes, and the instants, between two looks for an order to pause; milliseconds between two looks for other requests. */
+enum { STEPS = 256, TURNS = 16, INTERVAL = 50 };
+
+/* An input that is taken over. */
+typedef struct hand {
+    struct hand *other;
+    uint32_t port;
+    uint32_t size;
+    unsigned char value[];
+} hand;
+
+static int64_t orders = -1; /* the descriptor */
+static hand *hands;
+static csp_environment steered;     /* that of the program, with hands */
+static const csp_environment *own;  /* without them */
+static csp_ending state;            /* CSP_MORE: all that is left to do is later; CSP_BUDGET: there is more at this instant */
+
+bool csp_steering_open(const char *text)
+{
+    return csp_read_number(text, &orders);
+}
+
+bool csp_is_steered(void)
+{
+    return orders >= 0;
+}
+
+/* ---- Orders ---- */
+
+static bool has_come(int wait)
+{
+    struct pollfd source = {(int)orders, POLLIN, 0};
+    return poll(&source, 1U, wait) > 0;
+}
+
+/* Reads what is on its way. Returns false if the other end is closed. */
+static bool read_all(void *into, size_t size)
+{
+    unsigned char *const place = into;
+    size_t done = 0U;
+    while (done < size) {
+        const ssize_t count = read((int)orders, &place[done], size - done);
+        if (count > 0) {
+            done += (size_t)count;
+        } else if ((count == 0) || (errno != EINTR)) {
+            return false;
+        } else {
+            /* A signal has interrupted it. */
+        }
+    }
+    return true;
+}
+
+static bool runs(void)
+{
+    return (state == CSP_MORE) || (state == CSP_BUDGET);
+}
+
+/* Waits for the next order; without one the run ends. Meanwhile changes of parameters are read, so that their pipe does not become full. */
+static void next_order(csp_kernel *csp, csp_order *order)
+{
+    const csp_tuning *const tuning = csp->program->tuning;
+    while (!CSP_LOAD(csp->stop_requested) && !has_come(INTERVAL)) {
+        if (tuning != NULL) {
+            (void)tuning->next();
+        }
+    }
+    if (CSP_LOAD(csp->stop_requested) || !read_all(order, sizeof *order)) {
+        state = CSP_STOPPED;
+    }
+}
+
+/* Whether there is an order to pause, or nobody is there any more; nothing else is sent while the run advances. */
+static bool is_to_pause(csp_kernel *csp)
+{
+    csp_order order;
+    if (!has_come(0)) {
+        return false;
+    }
+    if (!read_all(&order, sizeof order)) {
+        csp_request_stop(csp);
+    }
+    return true;
+}
+
+/* ---- Hands ---- */
+
+static void *device_at(csp_kernel *csp, uint32_t number)
+{
+    const csp_program *const program = csp->program;
+    void *device = NULL;
+    if (number < program->port_count) {
+        const csp_port *const port = &program->ports[number];
+        void *const medium = csp_medium_of(csp, port);
+        if (port->kind == CSP_PORT_SAMPLED) {
+            device = ((const csp_sampled_input *)medium)->driver.device;
+        } else if (port->kind == CSP_PORT_EVENT) {
+            device = ((const csp_event_input *)medium)->driver.device;
+        } else {
+            /* Outputs are those of the program. */
+        }
+    }
+    return device;
+}
+
+static void give_back(uint32_t port)
+{
+    for (hand **place = &hands; *place != NULL; place = &(*place)->other) {
+        hand *const found = *place;
+        if (found->port == port) {
+            *place = found->other;
+            free(found);
+            return;
+        }
+    }
+}
+
+static void take(const csp_order *order)
+{
+    hand *const taken = malloc(sizeof *taken + order->size);
+    if ((taken == NULL) || !read_all(taken->value, order->size)) {
+        free(taken);
+        state = CSP_STOPPED;
+        return;
+    }
+    give_back(order->number);
+    taken->port = order->number;
+    taken->size = order->size;
+    taken->other = hands;
+    hands = taken;
+}
+
+static bool advance_by_hand(csp_kernel *csp, void *of, int64_t now)
+{
+    if ((own->advance != NULL) && !own->advance(csp, of, now)) {
+        return false;
+    }
+    for (const hand *each = hands; each != NULL; each = each->other) {
+        void *const device = device_at(csp, each->port);
+        if (device != NULL) {
+            (void)memcpy(device, each->value, each->size);
+        }
+    }
+    return true;
+}
+
+static void let_hands_in(csp_kernel *csp)
+{
+    static csp_program program; /* handlers may look at it until the process ends */
+    program = *csp->program;
+    own = program.environment;
+    if (own != NULL) {
+        steered = *own;
+        steered.advance = advance_by_hand;
+        program.environment = &steered;
+    }
+    csp->program = &program;
+}
+
+/* ---- The run ---- */
+
+static int64_t earlier(int64_t one, int64_t other)
+{
+    return (one < other) ? one : other;
+}
+
+/* Advances instant by instant. Returns whether nothing is left to do up to that of the order. */
+static bool advance(csp_kernel *csp, const csp_order *order, int64_t last)
+{
+    const csp_tuning *const tuning = csp->program->tuning;
+    const bool single = order->kind == (uint32_t)CSP_STEP;
+    const uint64_t before = csp_stream_communications();
+    for (uint32_t turn = 1U; runs(); turn++) {
+        const int64_t next = csp_next(csp);
+        if (single && ((csp_stream_communications() - before) >= order->number)) {
+            return false;
+        }
+        if ((state == CSP_MORE) && (next > earlier(order->instant, last))) {
+            return true;
+        }
+        if ((turn % (uint32_t)TURNS == 0U) && is_to_pause(csp)) {
+            return false;
+        }
+        if ((state == CSP_MORE) && (tuning != NULL)) { /* before everything else at this instant */
+            tuning->make(csp, next);
+        }
+        state = csp_advance(csp, next, single ? 1U : (uint32_t)STEPS);
+    }
+    return true;
+}
+
+/* Says that it waits for an order. */
+static void hold(csp_kernel *csp, bool reached)
+{
+    csp_stream_held(csp, reached, csp_next(csp));
+}
+
+static void follow(csp_kernel *csp, const csp_order *order, int64_t last)
+{
+    bool reached = false;
+    switch (order->kind) {
+    case CSP_ADVANCE:
+    case CSP_STEP:
+        reached = advance(csp, order, last);
+        if (runs() && reached && (order->instant >= last)) {
+            state = CSP_TIME_LIMIT;
+            csp->now = last;
+        } else if (runs()) {
+            hold(csp, reached);
+        } else {
+            /* The end is reported. */
+        }
+        break;
+    case CSP_TAKE:
+        take(order);
+        break;
+    case CSP_GIVE_BACK:
+        give_back(order->number);
+        break;
+    case CSP_REPORT:
+        csp_stream_waiting(csp);
+        hold(csp, true);
+        break;
+    default:
+        break; /* to pause, what is over */
+    }
+}
+
+csp_ending csp_run_steered(csp_kernel *csp, int64_t until)
+{
+    const int64_t last = ((until >= 0) && (until < CSP_END_OF_TIME)) ? until : CSP_END_OF_TIME;
+    let_hands_in(csp);
+    csp_own(csp);
+    state = csp_begin(csp);
+    if (state == CSP_NOT_INITIALIZED) {
+        return state;
+    }
+    if (state == CSP_MORE) {
+        csp_port_start();
+        state = CSP_BUDGET;
+        hold(csp, true);
+    }
+    while (runs()) {
+        csp_order order = {0, 0U, 0U, 0U, 0U};
+        next_order(csp, &order);
+        if (runs()) {
+            follow(csp, &order, last);
+        }
+    }
+    csp_finish(csp);
+    csp_port_finish(csp);
+    return state;
+}
