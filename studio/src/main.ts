@@ -309,7 +309,7 @@ async function begin(): Promise<void> {
     greet(false);
     offer(hello.models, hello.able?.["save"] === true ? (hello.program ?? undefined) : undefined);
     generate.offer(hello.targets ?? []);
-    run.able(hello.able ?? {}, hello.recordings ?? []);
+    run.able(hello.able ?? {}, hello.unable ?? {}, hello.recordings ?? []);
     if (hello.hand !== undefined) {
       showHand({ hand: hello.hand, viewers: hello.viewers ?? 1 });
     }

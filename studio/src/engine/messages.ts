@@ -172,6 +172,8 @@ export interface StartResult {
   until?: number | null;
   /** Whether it keeps pace with the clock, and cannot be paused. */
   real_time?: boolean | null;
+  /** The language of the code that runs: python or c. */
+  target?: string | null;
 }
 
 export interface Communication {
@@ -231,6 +233,8 @@ export interface Hello extends Partial<HandState> {
   engine: string;
   version: string;
   able?: Record<string, boolean>;
+  /** Why it is not able to do something of that. */
+  unable?: Record<string, string>;
   models: Model[];
   program?: Program | null;
   /** Files beside the program whose inputs a run can have. */
@@ -258,7 +262,7 @@ export interface Requests {
   save: { params: { file: string; text: string; before: string }; result: unknown };
   compile: { params: Program & { target: string; level?: number }; result: { files: Record<string, string> } };
   start: {
-    params: Program & { environment?: string; set?: Record<string, string>; inputs?: string; real_time?: boolean };
+    params: Program & { environment?: string; set?: Record<string, string>; inputs?: string; real_time?: boolean; target?: string };
     result: StartResult;
   };
   play: { params: { session: SessionId; speed: number }; result: unknown };

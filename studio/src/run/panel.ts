@@ -21,6 +21,8 @@ const WINDOW = 10e9;
 const FLASH = 100e6;
 const MOST_SHOWN = 8;
 const REAL_TIME = "real time";
+const CODE = "What runs: both do the same, C faster, after the C compiler has worked";
+const PYTHON_ONLY = "In real time the studio runs Python";
 const WATCHES = "Another page controls the program: take control first";
 const PACED = "In real time a program can be stopped, not paused";
 const STALLED = {
@@ -32,6 +34,7 @@ const STALLED = {
 export class RunPanel {
   private readonly environment = element("environment", HTMLSelectElement);
   private readonly inputs = element("inputs", HTMLSelectElement);
+  private readonly code = element("code", HTMLSelectElement);
   private readonly speed = element("speed", HTMLSelectElement);
   private readonly run = element("run-button", HTMLButtonElement);
   private readonly step = element("step", HTMLButtonElement);
@@ -54,6 +57,8 @@ export class RunPanel {
   private controls = true;
   private painting = false;
   private begun: unknown;
+  /** What the choice of the code says. */
+  private aboutCode = CODE;
 
   constructor(
     private readonly session: Session,
@@ -69,19 +74,24 @@ export class RunPanel {
     this.back.addEventListener("click", () => void session.back());
     this.stop.addEventListener("click", () => void session.stop());
     this.speed.addEventListener("change", () => {
+      this.soon();
       if (session.phase === "playing" && session.realTime === this.realTime) {
         void session.play(this.chosenSpeed);
       }
     });
     this.environment.addEventListener("change", () => void this.reset());
     this.inputs.addEventListener("change", () => void this.reset());
+    this.code.addEventListener("change", () => void this.reset());
     this.scrub.addEventListener("input", () => void this.look(this.scrub.valueAsNumber * 1e6));
     session.onChange(() => this.soon());
     this.soon();
   }
 
-  /** What the engine can do, and the recordings that it has. */
-  able(able: Record<string, boolean>, recordings: readonly string[]): void {
+  /** What the engine can do, why not, and the recordings that it has. */
+  able(able: Record<string, boolean>, unable: Record<string, string>, recordings: readonly string[]): void {
+    this.code.hidden = able["real_time"] !== true; // In a browser there is only Python.
+    (this.code.options[1] as HTMLOptionElement).disabled = able["native"] !== true;
+    this.aboutCode = unable["native"] === undefined ? CODE : `Not as C: ${unable["native"]}`;
     element("speed-real", HTMLOptionElement).hidden = able["real_time"] !== true;
     this.inputs.hidden = recordings.length === 0;
     options(this.inputs, [["", "its own inputs"], ...recordings.map((name) => [name, `inputs of ${name}`] as const)]);
@@ -89,6 +99,10 @@ export class RunPanel {
 
   private get realTime(): boolean {
     return this.speed.value === REAL_TIME;
+  }
+
+  private get target(): string {
+    return this.realTime ? "python" : this.code.value;
   }
 
   private get chosenSpeed(): number {
@@ -169,13 +183,13 @@ export class RunPanel {
   /** Whether a run is there that can continue: of a changed program, and if it is `over`, a new one begins. */
   private async ready(over: boolean): Promise<boolean> {
     const { session } = this;
-    const same = this.ranVersion === this.workspace.version && session.realTime === this.realTime;
+    const same = this.ranVersion === this.workspace.version && session.realTime === this.realTime && session.target === this.target;
     if (session.started !== undefined && !over && same) {
       return true;
     }
     this.ranVersion = this.workspace.version;
     // With the pictures, which other pages show, too.
-    return session.start(this.workspace.program, this.environment.value, this.inputs.value, this.realTime);
+    return session.start(this.workspace.program, this.environment.value, this.inputs.value, this.realTime, this.target);
   }
 
   /** Paints once in each frame of the screen, however much has happened. */
@@ -208,6 +222,8 @@ export class RunPanel {
     this.run.title = why ?? "F5";
     this.step.title = this.step.disabled && why !== undefined ? why : "To the next communication: F10";
     this.stop.title = this.controls ? "" : WATCHES;
+    this.code.disabled = this.realTime;
+    this.code.title = this.realTime ? PYTHON_ONLY : this.aboutCode;
     const any = started !== undefined;
     this.back.disabled = !any || session.shown <= 0;
     this.stop.disabled = !any || phase === "ended" || session.stopping || !this.controls;
@@ -248,7 +264,8 @@ export class RunPanel {
     const stale = session.started !== undefined && this.ranVersion !== this.workspace.version;
     const missed = Object.entries(session.missed).map(([name, count]) => `${name} (${count})`);
     const { stalled, standsStill, stopping } = session;
-    const key = [problem, refused, ended?.text, ended?.reason, stale, missed.join(), standsStill, stalled, stopping].join("|");
+    const compiling = session.phase === "starting" && this.target === "c";
+    const key = [compiling, problem, refused, ended?.text, ended?.reason, stale, missed.join(), standsStill, stalled, stopping].join("|");
     if (this.note.dataset["key"] === key) {
       return;
     }
@@ -258,6 +275,8 @@ export class RunPanel {
     if (problem !== "") {
       this.note.classList.add("bad");
       this.note.append(problem);
+    } else if (compiling) {
+      this.note.append("The C compiler works. What it has compiled it need not compile again.");
     } else if (ended !== undefined) {
       this.note.classList.toggle("bad", ended.reason === "deadlock" || ended.reason === "fault");
       const listed = ended.waiting != null && ended.waiting.length > 0;

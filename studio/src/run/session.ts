@@ -57,6 +57,11 @@ export class Session {
     return this.started?.real_time === true;
   }
 
+  /** The language of the code that runs. */
+  get target(): string {
+    return this.started?.target ?? "python";
+  }
+
   get live(): boolean {
     return this.looked === undefined;
   }
@@ -77,14 +82,14 @@ export class Session {
   }
 
   /** Begins a run of the program as it is now; it stands at its first instant, unless it keeps pace with the clock. */
-  async start(program: Program, environment: string, inputs: string, realTime: boolean): Promise<boolean> {
+  async start(program: Program, environment: string, inputs: string, realTime: boolean, target = "python"): Promise<boolean> {
     await this.leave();
     this.phase = "starting";
     this.problem = "";
     this.changed();
     try {
       const chosen = { ...(environment === "" ? {} : { environment }), ...(inputs === "" ? {} : { inputs }) };
-      this.started = await this.engine.request("start", { ...program, ...chosen, real_time: realTime });
+      this.started = await this.engine.request("start", { ...program, ...chosen, real_time: realTime, target });
     } catch (problem) {
       this.fail(problem);
       return false;

@@ -114,3 +114,27 @@ test("a page whose server does not answer says so, and goes on when it does", as
   await page.locator("#ui-run-note", { hasText: "because the server does not answer" }).waitFor({ state: "hidden" });
   await page.close();
 });
+
+test("a program runs as native code, is stepped and stopped, and can be looked back at", async () => {
+  const page = await open();
+  const code = page.getByRole("combobox", { name: "Code that runs" });
+  if (await code.locator("option", { hasText: "C" }).isDisabled()) {
+    assert.match(await code.getAttribute("title"), /^Not as C: /);
+    await page.close();
+    return;
+  }
+  await code.selectOption("C");
+  await page.getByRole("button", { name: "Step" }).click();
+  await page.locator("#ui-events li").first().waitFor({ timeout: 60_000 });
+  await page.getByRole("button", { name: "Step" }).click();
+  await page.waitForFunction(() => document.querySelectorAll("#ui-events li").length > 1);
+  await page.getByRole("combobox", { name: "Speed" }).selectOption("fastest");
+  await page.getByRole("button", { name: "Resume" }).click();
+  await page.getByText("ended by itself at").waitFor();
+  await page.getByRole("button", { name: "Back" }).click();
+  assert.match(await page.locator("#ui-time").textContent(), / of /);
+  await page.getByRole("combobox", { name: "Speed" }).selectOption("real time");
+  assert.equal(await code.isDisabled(), true);
+  assert.equal(await code.getAttribute("title"), "In real time the studio runs Python");
+  await page.close();
+});

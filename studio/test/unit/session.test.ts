@@ -11,10 +11,12 @@ function made(refuses: (method: string) => void = () => undefined) {
   const clock = { now: 0 };
   mock.method(performance, "now", () => clock.now);
   const listeners = new Map<string, (params: object) => void>();
+  let last: { target?: string } = {};
   const engine = {
-    request: (method: string) => {
+    request: (method: string, params: { target?: string }) => {
       refuses(method);
-      return Promise.resolve(method === "start" ? STARTED : {});
+      last = params;
+      return Promise.resolve(method === "start" ? { ...STARTED, target: params.target } : {});
     },
     on: (name: string, listener: (params: object) => void) => listeners.set(name, listener),
   } as unknown as Engine;
@@ -22,7 +24,7 @@ function made(refuses: (method: string) => void = () => undefined) {
   const tell = (name: string, params: object) => listeners.get(name)?.({ session: "1", ...params });
   const frame = (to: number, more: Partial<Frame> = {}) => tell("frame", { from: to, to, signals: {}, ...more });
   const end = (text: string) => tell("ended", { at: 0, reason: "fault", text });
-  return { clock, session, frame, end };
+  return { clock, session, frame, end, asked: () => last };
 }
 
 test("a run of which nothing arrives is said to be stalled, by its process or by the server", async () => {
@@ -93,4 +95,12 @@ test("how a run ends hides neither a refused change nor is hidden by a refused r
   end("division by zero");
   assert.equal(session.problem, "");
   assert.equal(session.refused, "gain: must be positive");
+});
+
+test("a run says which code it is", async () => {
+  const { session, asked } = made();
+  assert.equal(session.target, "python");
+  await session.start({ files: {}, main: "" }, "", "", false, "c");
+  assert.equal(asked().target, "c");
+  assert.equal(session.target, "c");
 });
