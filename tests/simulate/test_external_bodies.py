@@ -74,7 +74,9 @@ def program(tmp_path: Path) -> Path:
             "at 0 s: the environment Bench failed: ZeroDivisionError: float division by zero, at plant.py:6"
         )),
         ("def calculate(self, valve)", "def calc(self, valve)", "the environment Bench failed: AttributeError: "),
-        ("1 - level", "1 - levle", "at 10 ms: NameError: name 'levle' is not defined, in Main.law (tank.csp:6), at plant.py:11"),
+        ("1 - level", "1 - levle", (
+            "at 10 ms: NameError: name 'levle' is not defined, in Main.law (tank.csp:6), at plant.py:11"
+        )),
         ("def calculate(self, level)", "def calculate(self)", "'level', in Main.law (tank.csp:6)"),
         ("*, tau", "*, time", "cspdiag: TypeError: Plant.__init__() got an unexpected keyword argument 'tau'"),
         ("self.tau = tau", "raise OSError('no table')", "cspdiag: plant.py:3: OSError: no table"),

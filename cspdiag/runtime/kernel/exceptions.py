@@ -19,7 +19,7 @@ class Place(str):
     statement: str | None
 
     def __new__(cls, process: str, statement: str | None = None, by_hand: str | None = None) -> Place:
-        """The text is ``process (statement), at by_hand``; the last is a line of code written by hand (``law.py:3``)."""
+        """The text is ``process (statement), at by_hand``; the last is a line written by hand (``law.py:3``)."""
         at = "" if by_hand is None else f", at {by_hand}"
         place = super().__new__(cls, f"{process}{'' if statement is None else f' ({statement})'}{at}")
         place.process = process
