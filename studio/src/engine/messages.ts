@@ -162,6 +162,17 @@ export interface Signal {
 /** Engines count runs. */
 export type SessionId = number | string;
 
+/** What a run is begun with. */
+export interface Chosen {
+  environment?: string | undefined;
+  /** Values of parameters, as they are changed during a run. */
+  set?: Record<string, Value>;
+  /** The recording whose inputs it gets. */
+  inputs?: string | undefined;
+  real_time?: boolean;
+  target?: string;
+}
+
 export interface StartResult {
   session: SessionId;
   environment?: string | null;
@@ -262,7 +273,7 @@ export interface Requests {
   save: { params: { file: string; text: string; before: string }; result: unknown };
   compile: { params: Program & { target: string; level?: number }; result: { files: Record<string, string> } };
   start: {
-    params: Program & { environment?: string; set?: Record<string, string>; inputs?: string; real_time?: boolean; target?: string };
+    params: Program & Chosen;
     result: StartResult;
   };
   play: { params: { session: SessionId; speed: number }; result: unknown };

@@ -123,6 +123,8 @@ export class RunPanel {
   /** Another program is opened, of which no environment is known until it is checked. */
   async opened(): Promise<void> {
     this.environment.replaceChildren();
+    this.known = [];
+    this.parameters.open([]);
     await this.reset();
   }
 
@@ -189,7 +191,13 @@ export class RunPanel {
     }
     this.ranVersion = this.workspace.version;
     // With the pictures, which other pages show, too.
-    return session.start(this.workspace.program, this.environment.value, this.inputs.value, this.realTime, this.target);
+    return session.start(this.workspace.program, {
+      environment: this.environment.value || undefined,
+      inputs: this.inputs.value || undefined,
+      set: Object.fromEntries(this.parameters.changed),
+      real_time: this.realTime,
+      target: this.target,
+    });
   }
 
   /** Paints once in each frame of the screen, however much has happened. */

@@ -21,12 +21,17 @@ export function duration(value: number): string {
 }
 
 export class Parameters {
+  /** What is not as in the text; a run begins with it. */
+  readonly changed = new Map<string, Value>();
+
   constructor(
     private readonly room: HTMLElement,
     private readonly tune: (name: string, value: Value) => void,
   ) {}
 
+  /** Shows parameters as they are in the text. */
   open(parameters: readonly ParameterInfo[]): void {
+    this.changed.clear();
     const rows = parameters.flatMap((parameter) => (parameter.fields ?? [parameter]).flatMap((field) => this.row(field)));
     const body = h("details", rows.length <= FEW ? { open: "" } : {}, h("summary", {}, `Parameters (${rows.length})`), ...rows);
     this.room.replaceChildren(body);
@@ -44,6 +49,16 @@ export class Parameters {
     return typeof value === "number" ? [this.slider(field, value)] : [];
   }
 
+  /** A value is chosen, which is that of the text or another one. */
+  private set(name: string, value: Value, isOfText: boolean): void {
+    if (isOfText) {
+      this.changed.delete(name);
+    } else {
+      this.changed.set(name, value);
+    }
+    this.tune(name, value);
+  }
+
   private slider(field: Field, value: number): HTMLElement {
     const [low, high] = bounds(value);
     const time = field.type === "time";
@@ -55,7 +70,7 @@ export class Parameters {
     const shown = h("output", {}, text(value));
     const set = (now: number) => {
       shown.textContent = text(now);
-      this.tune(field.name, time ? `${Math.round(now)} ns` : now);
+      this.set(field.name, time ? `${Math.round(now)} ns` : now, now === value);
     };
     slider.addEventListener("input", () => set(slider.valueAsNumber));
     const back = () => {
@@ -75,14 +90,14 @@ export class Parameters {
   private box(field: Field, value: boolean): HTMLElement {
     const box = h("input", { type: "checkbox" });
     box.checked = value;
-    box.addEventListener("change", () => this.tune(field.name, box.checked));
+    box.addEventListener("change", () => this.set(field.name, box.checked, box.checked === value));
     return h("label", {}, h("span", {}, field.name), box);
   }
 
   private choice(field: Field, value: string, literals: readonly string[]): HTMLElement {
     const select = h("select", {}, ...literals.map((each) => new Option(each, each)));
     select.value = value;
-    select.addEventListener("change", () => this.tune(field.name, select.value));
+    select.addEventListener("change", () => this.set(field.name, select.value, select.value === value));
     return h("label", {}, h("span", {}, field.name), select);
   }
 }

@@ -1,7 +1,7 @@
 /** A run of the program on the engine, what was recorded of it, and the instant that the page shows. */
 
 import { type Engine, inWords } from "../engine/engine";
-import type { Ended, Frame, Program, SessionId, StartResult, Value } from "../engine/messages";
+import type { Chosen, Ended, Frame, Program, SessionId, StartResult, Value } from "../engine/messages";
 import { Recording } from "./recording";
 
 export type Phase = "idle" | "starting" | "playing" | "paused" | "ended";
@@ -82,14 +82,13 @@ export class Session {
   }
 
   /** Begins a run of the program as it is now; it stands at its first instant, unless it keeps pace with the clock. */
-  async start(program: Program, environment: string, inputs: string, realTime: boolean, target = "python"): Promise<boolean> {
+  async start(program: Program, chosen: Chosen): Promise<boolean> {
     await this.leave();
     this.phase = "starting";
     this.problem = "";
     this.changed();
     try {
-      const chosen = { ...(environment === "" ? {} : { environment }), ...(inputs === "" ? {} : { inputs }) };
-      this.started = await this.engine.request("start", { ...program, ...chosen, real_time: realTime, target });
+      this.started = await this.engine.request("start", { ...program, ...chosen });
     } catch (problem) {
       this.fail(problem);
       return false;

@@ -146,6 +146,36 @@ test("a parameter is changed while the program runs", async () => {
   await page.close();
 });
 
+test("a run begins with the values that the sliders show", async () => {
+  const page = await studio.open();
+  const text = `parameter gain : double = 2
+process Amplify {
+  in  u : double @ 10 ms
+  out y : double @ 10 ms
+  communication { law : Law  u -> law.u  law.y -> y }
+  composition { mu law }
+}
+submodel Law { in u : double  out y : double  y = gain * u }
+submodel One { out u : double  u = 1 }
+environment Bench for Amplify { one : One  one.u -> u  y -> _ }
+`;
+  await write(page, text);
+  const slider = page.locator("#ui-parameters input");
+  await page.locator("#ui-parameters", { hasText: "Parameters (1)" }).waitFor();
+  const shown = async (value) => {
+    await page.locator("#ui-run-button").click();
+    await page.locator("#ui-events li", { hasText: `Amplify.y${value}` }).first().waitFor();
+    await page.locator("#ui-stop").click();
+  };
+  await slider.fill("3");
+  await shown(3);
+  await slider.fill("4");
+  await shown(4);
+  await slider.dblclick();
+  await shown(2);
+  await page.close();
+});
+
 test("the philosophers run into their deadlock", async () => {
   const page = await studio.open();
   await choose(page, "dining/deadlock");

@@ -29,7 +29,7 @@ function made(refuses: (method: string) => void = () => undefined) {
 
 test("a run of which nothing arrives is said to be stalled, by its process or by the server", async () => {
   const { clock, session, frame } = made();
-  await session.start({ files: {}, main: "" }, "", "", false);
+  await session.start({ files: {}, main: "" }, { real_time: false });
   await session.play(1);
   clock.now = 2500;
   frame(1);
@@ -49,7 +49,7 @@ test("a run of which nothing arrives is said to be stalled, by its process or by
 
 test("time stands still as long as the run plays", async () => {
   const { clock, session, frame } = made();
-  await session.start({ files: {}, main: "" }, "", "", false);
+  await session.start({ files: {}, main: "" }, { real_time: false });
   await session.play(0);
   clock.now = 2500;
   frame(0);
@@ -74,7 +74,7 @@ test("a run that fails before it is played says why, not that it has ended", asy
       throw new EngineError("the run has ended", "start it again");
     }
   });
-  await session.start({ files: {}, main: "" }, "", "", true);
+  await session.start({ files: {}, main: "" }, { real_time: true });
   await session.play(1);
   assert.equal(session.phase, "ended");
   assert.equal(session.ended?.text, "the driver keyboard failed to open");
@@ -87,7 +87,7 @@ test("how a run ends hides neither a refused change nor is hidden by a refused r
       throw new EngineError("another page controls the program");
     }
   });
-  await session.start({ files: {}, main: "" }, "", "", false);
+  await session.start({ files: {}, main: "" }, { real_time: false });
   await session.play(1);
   await session.pause();
   assert.equal(session.problem, "another page controls the program");
@@ -100,7 +100,7 @@ test("how a run ends hides neither a refused change nor is hidden by a refused r
 test("a run says which code it is", async () => {
   const { session, asked } = made();
   assert.equal(session.target, "python");
-  await session.start({ files: {}, main: "" }, "", "", false, "c");
+  await session.start({ files: {}, main: "" }, { target: "c" });
   assert.equal(asked().target, "c");
   assert.equal(session.target, "c");
 });
