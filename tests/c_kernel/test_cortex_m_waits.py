@@ -1,5 +1,5 @@
 """The port for Cortex-M, also on a Cortex-M0: its clock, in waits that are short, and longer than its counter counts;
-and differences of doubles.
+and differences and comparisons of doubles.
 
 The emulator derives its clock from the number of instructions, so the run does not depend on the machine of the test.
 """
@@ -7,12 +7,13 @@ The emulator derives its clock from the number of instructions, so the run does 
 from __future__ import annotations
 
 import math
+import operator
 import struct
 from pathlib import Path
 
 import pytest
 
-from tests.c_kernel.building import HERE, need
+from tests.c_kernel.building import HERE, need, run
 from tests.c_kernel.test_cortex_m import FLAGS, LINKED, emulated
 from tests.c_kernel.test_instances import package
 from tests.support.compiling import compile_once
@@ -53,13 +54,21 @@ def real_of(digits: str) -> float:
     return value
 
 
-def test_differences_of_doubles_on_a_cortex_m0(tmp_path: Path) -> None:
-    """They are computed by the addition of libgcc, to the last bit."""
-    image = firmware(tmp_path, "cortex-m0", "ticker.csp", "differences.c")
+OPERATORS = {"=": operator.eq, "<": operator.lt, "l": operator.le, ">": operator.gt, "g": operator.ge}
+
+
+@pytest.mark.parametrize("options", [[], ["-flto"]], ids=["by files", "whole"])
+def test_doubles_on_a_cortex_m0(options: list[str], tmp_path: Path) -> None:
+    """They are subtracted by the addition of libgcc, to the last bit, and compared without it."""
+    image = firmware(tmp_path, "cortex-m0", "ticker.csp", "doubles.c", *options)
+    functions = run("arm-none-eabi-nm", image).split()
+    assert not {"__gedf2", "__ledf2", "__eqdf2", "__subdf3"} & set(functions)
     lines = [line.split() for line in emulated(image)]
-    assert len(lines) == 12**2
-    for left, right, difference in lines:
-        expected = real_of(left) - real_of(right)
+    assert len(lines) == 14**2
+    for left, right, difference, compared in lines:
+        one, other = real_of(left), real_of(right)
+        assert compared == "".join(sign for sign, holds in OPERATORS.items() if holds(one, other)) + ".", (left, right)
+        expected = one - other
         if math.isnan(expected):
             assert math.isnan(real_of(difference))
         else:

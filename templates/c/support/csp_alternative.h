@@ -67,7 +67,20 @@ struct csp_guard {
 /* The words of an alternative of more guards, CSP_WORDS(count) each. */
 #define CSP_WORDS(count) (((count) + CSP_WORD_BITS - 1U) / CSP_WORD_BITS)
 
+/* Flags come first, as in csp_kernel. */
 struct csp_alternative {
+    bool prioritized;
+    bool waits;  /* registered */
+    bool enrolls; /* some guards are enrolled */
+    bool armed;  /* the first guard that becomes ready will wake it */
+    bool woken;  /* a guard has become ready, and the process is in the ready queue */
+    bool solved; /* the other side has chosen */
+    bool offers; /* the process has chosen to write, and waits until the reader, which has only been promised the value, reads it */
+    bool pledged;     /* the same, but the reader has chosen: */
+    uint16_t count;
+    uint16_t chosen;     /* the guard */
+    uint16_t time_outs;  /* number of guards with `after` */
+    uint16_t attending;  /* number of guards that attend */
     csp_word ready;   /* bits of the guards, or of the non-zero words of `more_ready` */
     csp_word enabled; /* bits of the guards; not used with several words */
     csp_word after;   /* bits of the guards after the one that was chosen last, in the present word */
@@ -83,19 +96,7 @@ struct csp_alternative {
     csp_guard *guard;
     csp_party *process; /* while it waits */
     uint32_t began;     /* number of the wait: alternatives are numbered in the order in which they began to wait */
-    uint16_t count;
-    uint16_t chosen;     /* the guard */
-    uint16_t time_outs;  /* number of guards with `after` */
-    uint16_t attending;  /* number of guards that attend */
-    bool prioritized;
-    bool waits;  /* registered */
-    bool enrolls; /* some guards are enrolled */
-    bool armed;  /* the first guard that becomes ready will wake it */
-    bool woken;  /* a guard has become ready, and the process is in the ready queue */
-    bool solved; /* the other side has chosen */
-    bool offers; /* the process has chosen to write, and waits until the reader, which has only been promised the value, reads it */
-    bool pledged;     /* the same, but the reader has chosen: */
-    csp_party pledge; /* the party that waits in the channel */
+    csp_party pledge; /* the party that waits in the channel, if it is pledged */
     struct csp_interrupt *interrupt; /* the interrupt whose guard this is, or NULL */
 };
 
@@ -176,16 +177,16 @@ csp_progress csp_select_again(csp_kernel *csp, csp_party *party, csp_alternative
 /* ---- Interrupt ---- */
 
 typedef struct csp_interrupt {
-    csp_parallel body;  /* its only branch */
-    csp_branches branch;
+    bool body_ended;
+    bool communicates;
+    bool taken; /* whether the handler runs */
+    csp_process *victim;
     csp_alternative alternative; /* its only guard */
     csp_guard guard;
     csp_timer timer;
     csp_party canceller; /* ends the body if the body itself has made the guard ready */
-    csp_process *victim;
-    bool body_ended;
-    bool communicates;
-    bool taken; /* whether the handler runs */
+    csp_branches branch;
+    csp_parallel body; /* its only branch */
 } csp_interrupt;
 
 /* `body` is the offset of the body's csp_process in the struct. The guard is set up by csp_guard_... with &interrupt->alternative and index 0, each time just

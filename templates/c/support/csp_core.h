@@ -173,44 +173,45 @@ typedef struct csp_range {
 } csp_range;
 
 /* The whole state of a run, apart from the processes and ports of the program, which follow it in the same memory. It is passed to every function that
- * needs it, so there may be several runs at the same time. */
+ * needs it, so there may be several runs at the same time. Flags come first and what is long last: instructions of small processors reach 32 bytes of flags
+ * and 128 bytes of words. */
 struct csp_kernel {
-    csp_fault_note fault;
-    csp_party *current; /* the party whose step function runs, or NULL */
+    /* The run */
+    uint8_t phase;    /* csp_phase */
+    uint8_t ending;   /* csp_ending: CSP_MORE, or how the run has ended */
+    bool real_time;   /* ticks pass although nobody has met them */
+    bool entered;     /* csp_advance has been called */
+    volatile bool stop_requested;
+    volatile bool news;    /* an interrupt handler has brought an event since the last were taken over */
+    volatile bool driving; /* there are outputs that are not released */
+    volatile bool closed;  /* only safe values are written */
     int64_t now;        /* nanoseconds since the start */
-    csp_queue ready[CSP_LEVELS];
-    csp_timer *earliest;   /* the root of the heap of timers; NULL: none */
-    uint64_t timers_begun;
-    uint32_t begun;     /* number of alternatives that have begun to wait, modulo 2^32 */
-    uint32_t changes;   /* how often the parameters have been set, modulo 2^32; 0: not yet */
-    csp_error error;    /* of the operation that has just failed */
-    const char *volatile loop; /* with CSP_TRACE: place of the loop in which the process is and in which it cannot wait; NULL: none */
+    csp_party *current; /* the party whose step function runs, or NULL */
+    const struct csp_program *program;
+    const struct csp_hooks *hooks;
+    csp_timer *earliest; /* the root of the heap of timers; NULL: none */
     /* Instants */
+    int64_t reached;   /* the one up to which the run has advanced */
     int64_t next_tick; /* of a port or the grid; INT64_MAX: none */
     int64_t grid;      /* the period at which the environment is evaluated and event inputs are polled; 0: none */
     int64_t next_grid; /* INT64_MAX: none */
     csp_range inputs;  /* the ports that include all inputs, */
     csp_range outputs; /* and all latched outputs */
-    /* The run */
-    const struct csp_program *program;
-    const struct csp_hooks *hooks;
-    int64_t reached;  /* the instant up to which the run has advanced */
-    uint8_t phase;    /* csp_phase */
-    uint8_t ending;   /* csp_ending: CSP_MORE, or how the run has ended */
-    bool real_time;   /* ticks pass although nobody has met them */
-    bool entered;     /* csp_advance has been called */
+    uint32_t begun;    /* number of alternatives that have begun to wait, modulo 2^32 */
+    uint32_t changes;  /* how often the parameters have been set, modulo 2^32; 0: not yet */
+    csp_queue ready[CSP_LEVELS];
+    csp_fault_note fault;
+    csp_error error; /* of the operation that has just failed */
+    uint64_t timers_begun;
     uint32_t awaited; /* the port for which something waited last */
-    volatile bool stop_requested;
-    volatile bool news; /* an interrupt handler has brought an event since the last were taken over */
     volatile uint32_t iterations;
+    const char *volatile loop; /* with CSP_TRACE: place of the loop in which the process is and in which it cannot wait; NULL: none */
+    /* Devices */
+    volatile uint32_t next_port;  /* the next port to get its safe value */
+    const csp_medium *volatile called; /* for reports: the port whose device function is being called; NULL: none */
 #if CSP_MEASURE
     csp_measuring measuring;
 #endif
-    /* Devices */
-    volatile bool driving;        /* there are outputs that are not released */
-    volatile bool closed;         /* only safe values are written */
-    volatile uint32_t next_port;  /* the next port to get its safe value */
-    const csp_medium *volatile called; /* for reports: the port whose device function is being called; NULL: none */
 };
 
 #ifndef CSP_TRACE_HOOK

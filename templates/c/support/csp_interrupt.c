@@ -117,7 +117,7 @@ static csp_progress communicate(csp_kernel *csp, csp_party *party, csp_interrupt
         csp_watch_input(csp, guard);
     }
     interrupt->communicates = true;
-    return csp_select(csp, party, &interrupt->alternative);
+    return csp_select_any(csp, party, &interrupt->alternative);
 }
 
 csp_progress csp_interruptible_again(csp_kernel *csp, csp_party *party, csp_interrupt *interrupt)

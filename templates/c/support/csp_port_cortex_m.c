@@ -227,18 +227,77 @@ void csp_port_fatal(const char *message)
 }
 
 #ifdef __ARM_ARCH_6M__
+/* What compilers call for the arithmetic of `double`, where it is shorter than in libgcc, whose functions of these names are not linked then. Calls of them
+ * appear only when the machine code is generated, and -flto must not drop them before. */
+#define USED __attribute__((used))
+
 double __aeabi_dadd(double left, double right);
 double __aeabi_dsub(double left, double right);
+int __aeabi_dcmpeq(double left, double right);
+int __aeabi_dcmplt(double left, double right);
+int __aeabi_dcmple(double left, double right);
+int __aeabi_dcmpgt(double left, double right);
+int __aeabi_dcmpge(double left, double right);
 
-/* What compilers call for the difference of two doubles: the sum with the negated one, which is the same to the last bit. The function of this name in
- * libgcc, which is not linked then, repeats all of the addition, 1.8 kB on a Cortex-M0. */
-double __aeabi_dsub(double left, double right)
+static uint64_t bits_of(double value)
 {
-    double negated = 0.0;
     uint64_t bits = 0U;
-    (void)memcpy(&bits, &right, sizeof bits);
-    bits ^= UINT64_C(1) << 63U;
+    (void)memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+/* The sum with the negated one, which is the same to the last bit. In libgcc it repeats all of the addition, 1.8 kB. */
+USED double __aeabi_dsub(double left, double right)
+{
+    const uint64_t bits = bits_of(right) ^ (UINT64_C(1) << 63U);
+    double negated = 0.0;
     (void)memcpy(&negated, &bits, sizeof negated);
     return __aeabi_dadd(left, negated);
+}
+
+enum { LESS = 1, EQUAL = 2, GREATER = 4, UNORDERED = 8 };
+
+/* Doubles without their signs are ordered like integers of their bits, and both zeros are equal. */
+static unsigned order(double left, double right)
+{
+    const uint64_t sign = UINT64_C(1) << 63U;
+    const uint64_t infinity = UINT64_C(0x7FF) << 52U;
+    const uint64_t one = bits_of(left);
+    const uint64_t other = bits_of(right);
+    if (((one & ~sign) > infinity) || ((other & ~sign) > infinity)) {
+        return UNORDERED;
+    }
+    if ((one == other) || (((one | other) & ~sign) == 0U)) {
+        return EQUAL;
+    }
+    if (((one ^ other) & sign) != 0U) {
+        return ((one & sign) != 0U) ? LESS : GREATER;
+    }
+    return ((one < other) != ((one & sign) != 0U)) ? LESS : GREATER;
+}
+
+USED int __aeabi_dcmpeq(double left, double right)
+{
+    return (order(left, right) == EQUAL) ? 1 : 0;
+}
+
+USED int __aeabi_dcmplt(double left, double right)
+{
+    return (order(left, right) == LESS) ? 1 : 0;
+}
+
+USED int __aeabi_dcmple(double left, double right)
+{
+    return ((order(left, right) & (LESS | EQUAL)) != 0U) ? 1 : 0;
+}
+
+USED int __aeabi_dcmpgt(double left, double right)
+{
+    return (order(left, right) == GREATER) ? 1 : 0;
+}
+
+USED int __aeabi_dcmpge(double left, double right)
+{
+    return ((order(left, right) & (GREATER | EQUAL)) != 0U) ? 1 : 0;
 }
 #endif

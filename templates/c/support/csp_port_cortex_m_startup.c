@@ -50,14 +50,17 @@ enum { FAULT_STACK = 32 /* words of 64 bits */, GUARDED = 64 * 1024 /* bytes bel
 
 int main(void);
 void csp_reset(void);
-/* The stack of the fault handler, which is in assembly. */
+/* What -flto does not see: that assembly or the library needs something. */
+#define USED __attribute__((used))
+
+/* The stack of the fault handler, which is in assembly, and what it calls. */
 extern uint64_t csp_fault_stack[];
-uint64_t csp_fault_stack[FAULT_STACK];
-void csp_fault_entry(uint32_t *frame);
+USED uint64_t csp_fault_stack[FAULT_STACK];
+USED void csp_fault_entry(uint32_t *frame);
 /* Called at the end of exit, abort and assert of the library. */
-void _exit(int status);
-void abort(void);
-void __assert_func(const char *file, int line, const char *function, const char *expression);
+USED void _exit(int status);
+USED void abort(void);
+USED void __assert_func(const char *file, int line, const char *function, const char *expression);
 
 static volatile bool successful; /* the status of an exit in an interrupt handler */
 static volatile uint32_t faulted_at;
@@ -185,6 +188,9 @@ void __assert_func(const char *file, int line, const char *function, const char 
     csp_port_write(expression);
     csp_port_write("\n");
     _exit(1);
+    for (;;) {
+        /* Does not return. */
+    }
 }
 
 /* Whether it is a text for a debugger, and there is none. */

@@ -167,7 +167,7 @@ def test_the_deepest_calls_make_the_stack() -> None:
 def test_make_shows_the_stack(tmp_path: Path) -> None:
     written(pipeline.generate(network_of("cascade/cascade.csp"), read_source, "c"), tmp_path)
     done = subprocess.run(
-        ["make", "-s", "stack", "CFLAGS=-O1"], cwd=tmp_path, capture_output=True, text=True, check=True
+        ["make", "-s", "stack", "CFLAGS=-O1 -flto"], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     rows = done.stdout.splitlines()
     table = done.stdout.partition("the deepest")[0].splitlines()

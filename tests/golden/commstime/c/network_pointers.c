@@ -14,6 +14,12 @@ csp_function *const network_functions[NETWORK_FUNCTIONS] = {
     (csp_function *)prefix_initialize, (csp_function *)successor_initialize
 };
 
+static const csp_pointer_member pointers_of_csp_queue_members[] = {
+    {offsetof(csp_queue, first), 1U, sizeof(void *), NULL},
+    {offsetof(csp_queue, last), 1U, sizeof(void *), NULL}
+};
+static const csp_pointers pointers_of_csp_queue = {pointers_of_csp_queue_members, 2U};
+
 static const csp_pointer_member pointers_of_csp_operands_members[] =
     {{offsetof(csp_operands, name), 1U, sizeof(void *), NULL}};
 static const csp_pointers pointers_of_csp_operands = {pointers_of_csp_operands_members, 1U};
@@ -26,12 +32,6 @@ static const csp_pointer_member pointers_of_csp_fault_note_members[] = {
 };
 static const csp_pointers pointers_of_csp_fault_note = {pointers_of_csp_fault_note_members, 4U};
 
-static const csp_pointer_member pointers_of_csp_queue_members[] = {
-    {offsetof(csp_queue, first), 1U, sizeof(void *), NULL},
-    {offsetof(csp_queue, last), 1U, sizeof(void *), NULL}
-};
-static const csp_pointers pointers_of_csp_queue = {pointers_of_csp_queue_members, 2U};
-
 static const csp_pointer_member pointers_of_csp_error_members[] = {
     {offsetof(csp_error, process), 1U, sizeof(void *), NULL},
     {offsetof(csp_error, place), 1U, sizeof(void *), NULL},
@@ -43,13 +43,13 @@ static const csp_pointer_member pointers_of_csp_error_members[] = {
 static const csp_pointers pointers_of_csp_error = {pointers_of_csp_error_members, 6U};
 
 static const csp_pointer_member pointers_of_csp_kernel_members[] = {
-    {offsetof(csp_kernel, fault), 1U, sizeof(csp_fault_note), &pointers_of_csp_fault_note},
     {offsetof(csp_kernel, current), 1U, sizeof(void *), NULL},
-    {offsetof(csp_kernel, ready), CSP_LEVELS, sizeof(csp_queue), &pointers_of_csp_queue},
+    {offsetof(csp_kernel, program), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, earliest), 1U, sizeof(void *), NULL},
+    {offsetof(csp_kernel, ready), CSP_LEVELS, sizeof(csp_queue), &pointers_of_csp_queue},
+    {offsetof(csp_kernel, fault), 1U, sizeof(csp_fault_note), &pointers_of_csp_fault_note},
     {offsetof(csp_kernel, error), 1U, sizeof(csp_error), &pointers_of_csp_error},
     {offsetof(csp_kernel, loop), 1U, sizeof(void *), NULL},
-    {offsetof(csp_kernel, program), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, called), 1U, sizeof(void *), NULL}
 };
 static const csp_pointers pointers_of_csp_kernel = {pointers_of_csp_kernel_members, 8U};

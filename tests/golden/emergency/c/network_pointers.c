@@ -10,6 +10,12 @@ csp_function *const network_functions[NETWORK_FUNCTIONS] = {
     (csp_function *)spindle_controller_initialize
 };
 
+static const csp_pointer_member pointers_of_csp_queue_members[] = {
+    {offsetof(csp_queue, first), 1U, sizeof(void *), NULL},
+    {offsetof(csp_queue, last), 1U, sizeof(void *), NULL}
+};
+static const csp_pointers pointers_of_csp_queue = {pointers_of_csp_queue_members, 2U};
+
 static const csp_pointer_member pointers_of_csp_operands_members[] =
     {{offsetof(csp_operands, name), 1U, sizeof(void *), NULL}};
 static const csp_pointers pointers_of_csp_operands = {pointers_of_csp_operands_members, 1U};
@@ -22,12 +28,6 @@ static const csp_pointer_member pointers_of_csp_fault_note_members[] = {
 };
 static const csp_pointers pointers_of_csp_fault_note = {pointers_of_csp_fault_note_members, 4U};
 
-static const csp_pointer_member pointers_of_csp_queue_members[] = {
-    {offsetof(csp_queue, first), 1U, sizeof(void *), NULL},
-    {offsetof(csp_queue, last), 1U, sizeof(void *), NULL}
-};
-static const csp_pointers pointers_of_csp_queue = {pointers_of_csp_queue_members, 2U};
-
 static const csp_pointer_member pointers_of_csp_error_members[] = {
     {offsetof(csp_error, process), 1U, sizeof(void *), NULL},
     {offsetof(csp_error, place), 1U, sizeof(void *), NULL},
@@ -39,13 +39,13 @@ static const csp_pointer_member pointers_of_csp_error_members[] = {
 static const csp_pointers pointers_of_csp_error = {pointers_of_csp_error_members, 6U};
 
 static const csp_pointer_member pointers_of_csp_kernel_members[] = {
-    {offsetof(csp_kernel, fault), 1U, sizeof(csp_fault_note), &pointers_of_csp_fault_note},
     {offsetof(csp_kernel, current), 1U, sizeof(void *), NULL},
-    {offsetof(csp_kernel, ready), CSP_LEVELS, sizeof(csp_queue), &pointers_of_csp_queue},
+    {offsetof(csp_kernel, program), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, earliest), 1U, sizeof(void *), NULL},
+    {offsetof(csp_kernel, ready), CSP_LEVELS, sizeof(csp_queue), &pointers_of_csp_queue},
+    {offsetof(csp_kernel, fault), 1U, sizeof(csp_fault_note), &pointers_of_csp_fault_note},
     {offsetof(csp_kernel, error), 1U, sizeof(csp_error), &pointers_of_csp_error},
     {offsetof(csp_kernel, loop), 1U, sizeof(void *), NULL},
-    {offsetof(csp_kernel, program), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, called), 1U, sizeof(void *), NULL}
 };
 static const csp_pointers pointers_of_csp_kernel = {pointers_of_csp_kernel_members, 8U};
@@ -86,14 +86,6 @@ static const csp_pointer_member pointers_of_csp_sampled_end_members[] = {
 };
 static const csp_pointers pointers_of_csp_sampled_end = {pointers_of_csp_sampled_end_members, 6U};
 
-static const csp_pointer_member pointers_of_csp_parallel_members[] = {
-    {offsetof(csp_parallel, parent), 1U, sizeof(void *), NULL},
-    {offsetof(csp_parallel, interrupt), 1U, sizeof(void *), NULL},
-    {offsetof(csp_parallel, branches), 1U, sizeof(void *), NULL},
-    {offsetof(csp_parallel, error), 1U, sizeof(csp_error), &pointers_of_csp_error}
-};
-static const csp_pointers pointers_of_csp_parallel = {pointers_of_csp_parallel_members, 4U};
-
 static const csp_pointer_member pointers_of_csp_alternative_members[] = {
     {offsetof(csp_alternative, present_ready), 1U, sizeof(void *), NULL},
     {offsetof(csp_alternative, present_enabled), 1U, sizeof(void *), NULL},
@@ -126,8 +118,16 @@ static const csp_pointer_member pointers_of_csp_timer_members[] = {
 };
 static const csp_pointers pointers_of_csp_timer = {pointers_of_csp_timer_members, 5U};
 
+static const csp_pointer_member pointers_of_csp_parallel_members[] = {
+    {offsetof(csp_parallel, parent), 1U, sizeof(void *), NULL},
+    {offsetof(csp_parallel, interrupt), 1U, sizeof(void *), NULL},
+    {offsetof(csp_parallel, branches), 1U, sizeof(void *), NULL},
+    {offsetof(csp_parallel, error), 1U, sizeof(csp_error), &pointers_of_csp_error}
+};
+static const csp_pointers pointers_of_csp_parallel = {pointers_of_csp_parallel_members, 4U};
+
 static const csp_pointer_member pointers_of_csp_interrupt_members[] = {
-    {offsetof(csp_interrupt, body), 1U, sizeof(csp_parallel), &pointers_of_csp_parallel},
+    {offsetof(csp_interrupt, victim), 1U, sizeof(void *), NULL},
     {
         offsetof(csp_interrupt, alternative), 1U, sizeof(csp_alternative),
         &pointers_of_csp_alternative
@@ -135,7 +135,7 @@ static const csp_pointer_member pointers_of_csp_interrupt_members[] = {
     {offsetof(csp_interrupt, guard), 1U, sizeof(csp_guard), &pointers_of_csp_guard},
     {offsetof(csp_interrupt, timer), 1U, sizeof(csp_timer), &pointers_of_csp_timer},
     {offsetof(csp_interrupt, canceller), 1U, sizeof(csp_party), &pointers_of_csp_party},
-    {offsetof(csp_interrupt, victim), 1U, sizeof(void *), NULL}
+    {offsetof(csp_interrupt, body), 1U, sizeof(csp_parallel), &pointers_of_csp_parallel}
 };
 static const csp_pointers pointers_of_csp_interrupt = {pointers_of_csp_interrupt_members, 6U};
 

@@ -1,4 +1,4 @@
-/* Writes the bits of all differences between some doubles, two words each. */
+/* Writes the bits of all differences between some doubles, two words each, and how they compare. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -11,7 +11,8 @@ static const volatile uint64_t values[] = {
     UINT64_C(1), UINT64_C(0x800FFFFFFFFFFFFF),                  /* subnormal */
     UINT64_C(0x7FEFFFFFFFFFFFFF), UINT64_C(0xFFE0000000000000), /* large */
     UINT64_C(0x4341C37937E08001), UINT64_C(0x3FB999999999999A), /* 1e16 and a half, 0.1 */
-    UINT64_C(0x7FF0000000000000), UINT64_C(0xFFF0000000000000)  /* infinite */
+    UINT64_C(0x7FF0000000000000), UINT64_C(0xFFF0000000000000), /* infinite */
+    UINT64_C(0x7FF8000000000000), UINT64_C(0xFFF0000000000001)  /* not numbers */
 };
 
 enum { COUNT = sizeof values / sizeof values[0] };
@@ -23,6 +24,29 @@ static double value_of(uint64_t bits)
     return value;
 }
 
+/* Letters of the operators that hold. */
+static void compare(double one, double other, char text[7])
+{
+    size_t length = 0U;
+    if (one == other) {
+        text[length++] = '=';
+    }
+    if (one < other) {
+        text[length++] = '<';
+    }
+    if (one <= other) {
+        text[length++] = 'l';
+    }
+    if (one > other) {
+        text[length++] = '>';
+    }
+    if (one >= other) {
+        text[length++] = 'g';
+    }
+    text[length++] = '.';
+    text[length] = '\0';
+}
+
 int main(void)
 {
     for (uint32_t left = 0U; left < (uint32_t)COUNT; left++) {
@@ -31,11 +55,13 @@ int main(void)
             const uint64_t other = values[right];
             const double difference = value_of(one) - value_of(other);
             uint64_t bits = 0U;
-            char line[80] = "";
+            char compared[7] = "";
+            char line[90] = "";
             (void)memcpy(&bits, &difference, sizeof bits);
-            (void)snprintf(line, sizeof line, "%08" PRIx32 "%08" PRIx32 " %08" PRIx32 "%08" PRIx32 " %08" PRIx32 "%08" PRIx32 "\n",
+            compare(value_of(one), value_of(other), compared);
+            (void)snprintf(line, sizeof line, "%08" PRIx32 "%08" PRIx32 " %08" PRIx32 "%08" PRIx32 " %08" PRIx32 "%08" PRIx32 " %s\n",
                            (uint32_t)(one >> 32U), (uint32_t)one, (uint32_t)(other >> 32U), (uint32_t)other,
-                           (uint32_t)(bits >> 32U), (uint32_t)bits);
+                           (uint32_t)(bits >> 32U), (uint32_t)bits, compared);
             csp_port_write(line);
         }
     }
