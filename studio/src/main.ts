@@ -2,6 +2,7 @@
 
 import { Diagram } from "./diagram/diagram";
 import { Editor } from "./editor/editor";
+import { isProgram } from "./editor/language";
 import { Problems } from "./editor/problems";
 import { Connection, inWords } from "./engine/engine";
 import type { Fix, Hello, Model, Place, Program, Running } from "./engine/messages";
@@ -15,6 +16,7 @@ import { viewers } from "./page/viewers";
 import { tabs } from "./page/views";
 import { decoded, encoded } from "./program/link";
 import { Saving } from "./program/saving";
+import { Trust } from "./program/trust";
 import { Workspace } from "./program/workspace";
 import { Proofs } from "./proofs/proofs";
 import { RunPanel } from "./run/panel";
@@ -46,8 +48,9 @@ const engine = new Connection(chosen(), {
 });
 const diagram = new Diagram(engine, workspace, go);
 const session = new Session(engine);
-const run = new RunPanel(session, workspace, diagram);
-const proofs = new Proofs(engine, workspace, diagram, go, fix);
+const trust = new Trust(engine, workspace, look, report);
+const run = new RunPanel(session, workspace, diagram, trust);
+const proofs = new Proofs(engine, workspace, diagram, trust, go, fix);
 const problems = new Problems({ go, fix, explain: (code) => void explain(code) });
 const editor = new Editor(element("editor", HTMLElement), {
   changed: (file, text) => workspace.write(file, text),
@@ -108,8 +111,18 @@ function showFile(name: string): void {
   paintFiles();
 }
 
+function look(file: string): void {
+  showFile(file);
+  showPart("text");
+  editor.focus();
+}
+
+/** The files that the last check found to be named as bodies. */
+let named = new Set<string>();
+
+/** The files of the program; of a link all, so that nothing of it is out of sight. */
 function paintFiles(): void {
-  const names = Object.keys(workspace.program.files).filter((name) => name.endsWith(".csp"));
+  const names = Object.keys(workspace.program.files).filter((name) => workspace.linked || isProgram(name) || named.has(name));
   files.replaceChildren(
     ...names.map((name) => button(name, () => showFile(name), { "aria-pressed": String(name === workspace.shown) })),
   );
@@ -134,6 +147,10 @@ async function explain(code: string): Promise<void> {
 }
 
 async function format(): Promise<void> {
+  if (!isProgram(editor.shown)) {
+    report(`${editor.shown} is not a program, so it is not formatted.`);
+    return;
+  }
   const before = editor.text;
   try {
     const { text } = await engine.request("format", { text: before });
@@ -163,6 +180,8 @@ async function check(): Promise<void> {
     if (checked === workspace.version) {
       editor.mark(result.diagnostics);
     }
+    named = new Set(result.bodies.flatMap((body) => body.files));
+    paintFiles();
     run.checked(result);
     proofs.show(result.assertions);
   } catch (problem) {
@@ -174,11 +193,18 @@ async function check(): Promise<void> {
 
 const checkSoon = settled(PAUSE, () => void check());
 
-/** Shows a program, which is called so in the list of examples if it is in that. */
-async function load(program: Program, name = ""): Promise<void> {
+/** Where a program comes from: its name in the list of examples, or a link. */
+interface Origin {
+  name?: string;
+  linked?: boolean;
+}
+
+async function load(program: Program, { name = "", linked = false }: Origin): Promise<void> {
   models.value = name;
   saving.opens(name === OWN);
-  workspace.open(program);
+  named.clear();
+  trust.opens(linked);
+  workspace.open(program, linked);
   say(message, "");
   editor.clear();
   editor.show(program.main, program.files[program.main] ?? "");
@@ -187,8 +213,8 @@ async function load(program: Program, name = ""): Promise<void> {
   await run.opened();
 }
 
-async function open(program: Program, name = ""): Promise<void> {
-  await load(program, name);
+async function open(program: Program, origin: Origin): Promise<void> {
+  await load(program, origin);
   await check();
 }
 
@@ -230,7 +256,7 @@ function offer(known: readonly Model[], own: Program | undefined): void {
       // The way back leads to what was written before.
       void keep().then(() => {
         history.pushState(null, "", location.pathname + location.search);
-        return open(model, name);
+        return open(model, { name });
       });
     }
   });
@@ -238,7 +264,7 @@ function offer(known: readonly Model[], own: Program | undefined): void {
 
 /** Shows a program that another page runs. */
 async function follow(running: Running): Promise<void> {
-  await load({ files: running.files, main: running.main });
+  await load({ files: running.files, main: running.main }, {});
   // Before anything is requested: the frames of the run arrive already.
   await run.follow(running);
   await check();
@@ -261,11 +287,11 @@ async function opened({ models: known, program, running, able }: Hello): Promise
   }
   const example = known.find((model) => model.name === "jiwy") ?? known[0];
   if (linked !== undefined) {
-    await open(linked);
+    await open(linked, { linked: true });
   } else if (program != null) {
-    await open(program, OWN);
+    await open(program, { name: OWN });
   } else if (example !== undefined) {
-    await open(example, example.name);
+    await open(example, { name: example.name });
   }
   say(message, problem);
 }
@@ -280,7 +306,7 @@ function listen(): void {
   element("format", HTMLButtonElement).addEventListener("click", () => void format());
   element("dialog-close", HTMLButtonElement).addEventListener("click", () => dialog.close());
   window.addEventListener("hashchange", () => {
-    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program)), (problem: unknown) => report(inWords(problem)));
+    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program, { linked: true })), (problem: unknown) => report(inWords(problem)));
   });
   window.addEventListener("keydown", (event) => {
     const acts: Record<string, () => void> = {
@@ -305,6 +331,7 @@ async function begin(): Promise<void> {
   greet(false);
   try {
     const hello = await engine.request("hello", {});
+    trust.onMachine = hello.engine === "machine";
     greeting = hello.engine === "machine" ? `On this machine · ${hello.version}` : `In this browser · ${hello.version}`;
     greet(false);
     offer(hello.models, hello.able?.["save"] === true ? (hello.program ?? undefined) : undefined);

@@ -67,6 +67,22 @@ def test_check_tells_what_the_program_has(talk: Talk) -> None:
     assert found["assertions"][0]["text"] == "assert Jiwy deadlock free"
 
 
+def test_check_names_what_is_in_other_languages(talk: Talk) -> None:
+    submodel = "in u : double out y : double }\n"
+    files = {
+        "main/p.csp": f'import "../parts/laws.csp"\nsubmodel A python "subprocess:Popen" {{ {submodel}',
+        "parts/laws.csp": f'submodel B python "law.py:Law" {{ {submodel}submodel C c "law.c" {{ {submodel}'
+        'driver D device "udp" { out x : double }\n',
+    }
+    found = talk.ask("check", files=files, main="main/p.csp")["bodies"]
+    assert {(each["language"], each["target"], *each["files"]) for each in found} == {
+        ("python", "subprocess:Popen"),
+        ("python", "law.py:Law", "parts/law.py"),
+        ("c", "law.c", "parts/law.c", "parts/law.h"),
+        ("device", "udp"),
+    }
+
+
 def test_a_diagnostic_has_its_places_and_its_correction(talk: Talk) -> None:
     (found,) = talk.ask("check", **program(DELAY.replace("input ? x ;", "inptu ? x ;")))["diagnostics"]
     assert (found["severity"], found["code"]) == ("error", "E0204")

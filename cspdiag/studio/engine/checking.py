@@ -8,6 +8,9 @@ from typing import TypeVar
 from cspdiag.editing.view import View
 from cspdiag.model.program import Program
 from cspdiag.network.elaborate.definitions import Definitions
+from cspdiag.network.ir.external import files_of_body
+from cspdiag.network.lower.external_bodies import Owner
+from cspdiag.network.submodels.inline import external_body
 from cspdiag.studio.engine.data import Data, diagnostic_data, place_of
 from cspdiag.studio.engine.values import about, fields, value_data
 from cspdiag.syntax import ast
@@ -36,7 +39,19 @@ def check(view: View) -> Data:
             for each in program.main.items
             if isinstance(each, ast.Assertion)
         ],
+        "bodies": _bodies(program),
     }
+
+
+def _bodies(program: Program) -> list[Data]:
+    """What is in other languages, each once, also in the files that are imported. It is named, not read."""
+    found: dict[tuple[str, str], Data] = {}
+    for definition in program.definitions.values():
+        if isinstance(definition, Owner) and definition.external is not None:
+            body = external_body(definition.external)
+            data = {"language": body.language, "target": body.target, "files": list(files_of_body(body))}
+            found.setdefault((body.language, body.target), data)
+    return list(found.values())
 
 
 def _own(program: Program, kind: type[D]) -> list[D]:

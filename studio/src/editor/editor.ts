@@ -19,7 +19,7 @@ import type { Edit, Finding, Fix, Place, Position } from "../engine/messages";
 import { h } from "../page/dom";
 import { inline } from "../page/markdown";
 import { type Helper, helping } from "./assistance";
-import { colours, language } from "./language";
+import { colours, isProgram, language } from "./language";
 import { offset, position } from "./places";
 
 export interface Listener extends Helper {
@@ -35,6 +35,8 @@ export class Editor {
   private findings: readonly Finding[] = [];
   private file = "";
   private readonly extensions: Extension;
+  /** What is known of the language of programs. */
+  private readonly help: Extension;
 
   constructor(
     parent: HTMLElement,
@@ -51,15 +53,12 @@ export class Editor {
       EditorState.allowMultipleSelections.of(true),
       EditorState.tabSize.of(2),
       indentUnit.of("  "),
-      language,
       syntaxHighlighting(colours),
       bracketMatching(),
       closeBrackets(),
       highlightActiveLine(),
       highlightSelectionMatches(),
       lintGutter(),
-      autocompletion(),
-      helping(listener, () => this.file, (place) => this.goTo(place)),
       keymap.of([
         { key: "Shift-Alt-f", run: () => (listener.format(), true) },
         ...closeBracketsKeymap,
@@ -81,6 +80,7 @@ export class Editor {
         }
       }),
     ];
+    this.help = [language, autocompletion(), helping(listener, () => this.file, (place) => this.goTo(place))];
     this.view = new EditorView({ parent, extensions: this.extensions });
   }
 
@@ -98,8 +98,12 @@ export class Editor {
     }
     const known = this.states.get(file);
     this.file = file;
-    this.view.setState(known?.doc.toString() === text ? known : EditorState.create({ doc: text, extensions: this.extensions }));
+    this.view.setState(known?.doc.toString() === text ? known : this.begun(file, text));
     this.mark(this.findings);
+  }
+
+  private begun(file: string, text: string): EditorState {
+    return EditorState.create({ doc: text, extensions: [this.extensions, isProgram(file) ? this.help : []] });
   }
 
   get shown(): string {

@@ -131,6 +131,11 @@ export const parser: StreamParser<State> = {
 
 export const language = StreamLanguage.define(parser);
 
+/** Whether a file is in this language, and not in another one or a picture. */
+export function isProgram(file: string): boolean {
+  return file.endsWith(".csp");
+}
+
 export const colours = HighlightStyle.define([
   { tag: [tags.comment], color: "var(--faint)", fontStyle: "italic" },
   { tag: tags.docComment, color: "var(--doc)" },

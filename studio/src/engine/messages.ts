@@ -76,6 +76,15 @@ export interface CheckResult {
   processes: { path: string; name: string; place: Place }[];
   parameters: ParameterInfo[];
   assertions: Assertion[];
+  bodies: Body[];
+}
+
+/** A part of a program in another language, or a device. */
+export interface Body {
+  language: string;
+  target: string;
+  /** None of installed modules and devices; those that the program does not have are on the machine. */
+  files: string[];
 }
 
 export interface CompletionItem {

@@ -10,8 +10,11 @@ export class Workspace {
   version = 0;
   /** Whether something was written since it was opened. */
   edited = false;
+  /** Whether it came by a link. */
+  linked = false;
 
-  open(program: Program): void {
+  open(program: Program, linked = false): void {
+    this.linked = linked;
     this.program = { files: { ...program.files }, main: program.main };
     this.shown = program.main;
     this.edited = false;

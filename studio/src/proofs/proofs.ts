@@ -5,6 +5,7 @@ import { type Engine, inWords } from "../engine/engine";
 import type { Answer, Assertion, Counterexample, Fix, Place } from "../engine/messages";
 import { button, element, h } from "../page/dom";
 import { inline } from "../page/markdown";
+import type { Trust } from "../program/trust";
 import type { Workspace } from "../program/workspace";
 import { Film, scenes } from "./film";
 
@@ -27,6 +28,7 @@ export class Proofs {
     private readonly engine: Engine,
     private readonly workspace: Workspace,
     diagram: Diagram,
+    private readonly trust: Trust,
     private readonly go: (place: Place) => void,
     private readonly fix: (fix: Fix) => void,
   ) {
@@ -49,6 +51,10 @@ export class Proofs {
     if (this.busy) {
       this.cancelled = this.asked;
       await this.engine.request("cancel", {}).catch(() => undefined);
+      return;
+    }
+    // Counterexamples are confirmed by runs.
+    if (!(await this.trust.mayRun())) {
       return;
     }
     this.busy = true;

@@ -3,6 +3,7 @@
 import { type Diagram, NOTHING } from "../diagram/diagram";
 import type { CheckResult, ParameterInfo, StartResult } from "../engine/messages";
 import { button, element, options } from "../page/dom";
+import type { Trust } from "../program/trust";
 import type { Workspace } from "../program/workspace";
 import { Hand } from "./hand";
 import { Modes } from "./modes";
@@ -64,6 +65,7 @@ export class RunPanel {
     private readonly session: Session,
     private readonly workspace: Workspace,
     private readonly diagram: Diagram,
+    private readonly trust: Trust,
   ) {
     this.plots = new Plots(element("plots", HTMLElement), (at) => void this.look(at), () => this.soon());
     this.plant = new Plant(this.plantRoom);
@@ -188,6 +190,9 @@ export class RunPanel {
     const same = this.ranVersion === this.workspace.version && session.realTime === this.realTime && session.target === this.target;
     if (session.started !== undefined && !over && same) {
       return true;
+    }
+    if (!(await this.trust.mayRun())) {
+      return false;
     }
     this.ranVersion = this.workspace.version;
     // With the pictures, which other pages show, too.

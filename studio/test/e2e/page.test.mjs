@@ -164,6 +164,40 @@ test("a link holds the program, and the address what is written", async () => {
   await other.close();
 });
 
+test("what a link brings in another language is shown, and run when one has agreed", async () => {
+  const files = { "pair.csp": "// python\nprocess Mine {}\n", "plant.py": "class Joint: ...\n" };
+  const hash = `#code=${deflateRawSync(JSON.stringify({ files, main: "pair.csp" })).toString("base64url")}`;
+  const page = await studio.open({ hash });
+  const ask = page.getByRole("dialog", { name: "Run the code that came by this link?" });
+  assert.deepEqual(await page.locator(".files button").allTextContents(), ["pair.csp", "plant.py"]);
+  for (const begin of ["#ui-run-button", "#ui-step"]) {
+    await page.locator(begin).click();
+    await ask.getByText("plant.py:Joint").waitFor();
+    await page.keyboard.press("F5");
+    await page.keyboard.press("Escape");
+    await ask.waitFor({ state: "hidden" });
+  }
+  await page.getByRole("tab", { name: "Prove" }).click();
+  await page.getByRole("button", { name: "Prove all" }).click();
+  await page.addScriptTag({ content: AXE }).catch(() => page.evaluate(AXE));
+  assert.deepEqual(await page.evaluate(async () => (await axe.run("#ui-ask")).violations.map((each) => each.id)), []);
+  await screenshot(page, "link");
+  await ask.getByRole("button", { name: "Look at plant.py" }).click();
+  await page.locator(".cm-line", { hasText: "class Joint" }).waitFor();
+  assert.equal(await page.locator("#ui-assertions li.fails").count(), 0);
+  await page.getByRole("tab", { name: "Run", exact: true }).click();
+  await page.locator("#ui-run-button").click();
+  assert.equal(await page.locator("#ui-plots .plot").count(), 0);
+  await ask.getByRole("button", { name: "Run it", exact: true }).click();
+  await page.locator("#ui-plots .plot").first().waitFor();
+  await page.locator("#ui-stop").click();
+  await page.getByRole("button", { name: "Again" }).click();
+  await page.getByRole("button", { name: "Pause" }).waitFor();
+  assert.equal(await ask.isVisible(), false);
+  assert.deepEqual(page.complaints, []);
+  await page.close();
+});
+
 test("the message about a damaged link goes with the next program, which the list of examples names", async () => {
   const page = await studio.open({ hash: "#code=AAAA" });
   await page.getByText("the program in this link is damaged").waitFor();

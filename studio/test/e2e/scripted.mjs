@@ -68,6 +68,7 @@ const ANSWERS = {
       processes: [],
       parameters: [{ name: word("gain"), type: "double", value: 2 }],
       assertions: [{ text: word("assert Pair deadlock free"), place: place(4, 0, 25) }],
+      bodies: /python/.test(text) ? [{ language: "python", target: word("plant.py:Joint"), files: ["plant.py"] }] : [],
     };
   },
   complete: () => [{ label: word("left"), kind: "variable", detail: word("A"), documentation: word("The left one"), insert: "left" }],

@@ -1,10 +1,11 @@
 // The page as `cspdiag studio` serves it.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { after, before, test } from "node:test";
+import { deflateRawSync } from "node:zlib";
 import { chromium } from "playwright-core";
 import { CHROMIUM, MODELS, PYTHON, screenshot } from "./page.mjs";
 
@@ -37,10 +38,10 @@ after(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-async function open() {
+async function open(hash = "") {
   const page = await browser.newPage({ viewport: { width: 1600, height: 900 } });
   page.setDefaultTimeout(20_000);
-  await page.goto(address);
+  await page.goto(`${address}${hash}`);
   await page.locator("#ui-diagram svg").waitFor();
   return page;
 }
@@ -60,6 +61,28 @@ test("what is written is saved, and not over what others have written", async ()
   await page.keyboard.press("Control+s");
   await page.getByText(/buffer\.csp has changed on disk.*copy what you want to keep/).waitFor();
   assert.match(readFileSync(file, "utf8"), /^\/\/ by others\n/);
+  await page.close();
+});
+
+test("Python that came by a link is not run before one has agreed", async () => {
+  const mark = path.join(folder, "written by the link");
+  const program = `process Hold { in x : double @ 1 ms out y : double @ 1 ms safe 0.0 communication { var v : double = 0 } composition { mu (x ? v ; y ! v) } }
+submodel Law python "law.py:Law" { in u : double out z : double }
+environment Bench for Hold { law : Law y -> law.u law.z -> x }
+assert Hold deadlock free
+`;
+  const law = `open(${JSON.stringify(mark)}, "w").close()\nclass Law:\n    def calculate(self, u):\n        return u\n`;
+  const files = { "hold.csp": program, "law.py": law };
+  const page = await open(`#code=${deflateRawSync(JSON.stringify({ files, main: "hold.csp" })).toString("base64url")}`);
+  await page.getByText("No problems").waitFor();
+  await page.locator("#ui-run-button").click();
+  await page.getByRole("dialog").getByText("law.py:Law").waitFor();
+  await page.getByRole("button", { name: "Do not run it" }).click();
+  assert.equal(existsSync(mark), false);
+  await page.locator("#ui-run-button").click();
+  await page.getByRole("button", { name: "Run it", exact: true }).click();
+  await page.locator("#ui-plots .plot").first().waitFor();
+  assert.equal(existsSync(mark), true);
   await page.close();
 });
 
