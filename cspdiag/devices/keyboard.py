@@ -13,6 +13,10 @@ from .messages import MILLISECOND, SECOND
 
 _KEYS = re.compile(rb"\x1b[\[O][0-9;]*([@-~])|\x1b|([^\x1b])")
 """The sequence of an arrow, Home or another special key by its last letter, or a key with a character."""
+_OWN = "/dev/tty"
+"""The terminal of the process. Of one that has none, because another process started it for a terminal, the environment
+variable ``CSPDIAG_TERMINAL`` names it.
+"""
 _ARROWS = {b"A": ("y", -1), b"B": ("y", 1), b"C": ("x", 1), b"D": ("x", -1)}
 
 
@@ -25,9 +29,9 @@ class Keyboard:
 
     needs_real_time = True
 
-    def __init__(self, *, path: str = "/dev/tty", hold: int = 200 * MILLISECOND, step: float = 0.1) -> None:
+    def __init__(self, *, path: str = _OWN, hold: int = 200 * MILLISECOND, step: float = 0.1) -> None:
         self.name = "keyboard"
-        self._path = path
+        self._path = os.environ.get("CSPDIAG_TERMINAL", path) if path == _OWN else path
         self._hold = hold / SECOND
         self._step = step
         self._position = {"x": 0.0, "y": 0.0}

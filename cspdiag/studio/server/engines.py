@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import sys
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Callable, Sequence
@@ -71,7 +72,13 @@ class EngineProcess:
 
     async def _start(self) -> Process:
         process = await asyncio.create_subprocess_exec(
-            *self._command, stdin=PIPE, stdout=PIPE, cwd=self._folder, limit=MOST_BYTES, start_new_session=True
+            *self._command,
+            stdin=PIPE,
+            stdout=PIPE,
+            cwd=self._folder,
+            limit=MOST_BYTES,
+            start_new_session=True,  # What is typed to end the server is not for its engines, which it ends itself.
+            env={**os.environ, **_terminal()},
         )
         self._process = process
         self._reader = asyncio.create_task(self._read(process))
@@ -125,6 +132,15 @@ class EngineProcess:
         await process.wait()
         if self._reader is not None:
             await self._reader
+
+
+def _terminal() -> dict[str, str]:
+    """The terminal in whose foreground the server runs: its keys are those of the device "keyboard"."""
+    for stream in (0, 1, 2):
+        with suppress(OSError):
+            if os.tcgetpgrp(stream) == os.getpgrp():
+                return {"CSPDIAG_TERMINAL": os.ttyname(stream)}
+    return {}
 
 
 ENGINE: Final = (sys.executable, "-P", "-m", "cspdiag.studio.engine")

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import pty
+import subprocess
 import sys
+import termios
+import time
 from pathlib import Path
 
 from cspdiag.studio.server.engines import EngineProcess
@@ -17,6 +22,65 @@ os.close(1)
 time.sleep(0.2)
 open('released', 'w').close()
 """
+
+
+KEYS = """\
+driver Keys device "keyboard" { out x : double }
+process Main {
+  in  x     : double @ 10 ms
+  out level : double @ 10 ms safe 0
+  communication { var v : double = 0 }
+  composition { mu (x ? v ; level ! v) }
+}
+environment Hand for Main on miss count { keys : Keys  keys.x -> x  level -> _ }
+"""
+SERVER = """\
+import asyncio, fcntl, os, sys, termios
+from cspdiag.studio.server.engines import ENGINE, EngineProcess
+
+async def run():
+    moved = asyncio.Event()
+
+    def notified(text, message):
+        if message["method"] == "ended" and not moved.is_set():
+            sys.exit(message["params"]["text"])
+        values = message["params"].get("signals", {}).get("x", {"v": []})["v"]
+        if any(value > 0.1 for value in values):
+            moved.set()
+
+    engine = EngineProcess(ENGINE, os.getcwd(), notified)
+    program = {"files": {"a.csp": sys.argv[1]}, "main": "a.csp"}
+    answer = await engine.request("start", {**program, "environment": "Hand", "real_time": True})
+    print(answer.get("error", "started"), flush=True)
+    await asyncio.wait_for(moved.wait(), 20)
+    print("moved", flush=True)
+    await engine.end()
+
+fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+asyncio.run(run())
+"""
+
+
+def test_the_keys_of_the_terminal_of_the_server_reach_programs(tmp_path: Path) -> None:
+    terminal, its_own = pty.openpty()
+    command, streams = [sys.executable, "-c", SERVER, KEYS], {"stdin": its_own, "stdout": its_own, "stderr": its_own}
+    server = subprocess.Popen(command, cwd=tmp_path, start_new_session=True, **streams)
+    said = b""
+    try:
+        while b"moved" not in said and (data := os.read(terminal, 1000)):
+            said += data
+            if b"started" in data:
+                while termios.tcgetattr(terminal)[3] & termios.ECHO:
+                    time.sleep(0.01)
+                os.write(terminal, b"\x1b[C\x1b[C")
+        assert b"moved" in said, said.decode()
+        assert server.wait() == 0
+        assert termios.tcgetattr(terminal)[3] & termios.ECHO
+    finally:
+        server.kill()
+        server.wait()
+        os.close(terminal)
+        os.close(its_own)
 
 
 def test_an_engine_that_is_cut_off_in_a_message_still_releases_its_outputs(tmp_path: Path) -> None:
