@@ -30,7 +30,7 @@ export class Counterexample {
   shownIn(picture: Diagram | undefined): ToPage {
     const { step } = this;
     if (step === undefined) {
-      return { type: "step", text: "", position: "", communicating: [], waiting: [] };
+      return { type: "step", text: "", position: "", isFirst: true, isLast: true, communicating: [], waiting: [] };
     }
     const isHere = step.process === picture?.name;
     const ids = (keys: readonly string[]) =>
@@ -39,6 +39,8 @@ export class Counterexample {
       type: "step",
       text: isHere ? step.text : `This step is in the diagram of ${step.process}: ${step.text}`,
       position: `${this.at + 1}/${this.steps.length}`,
+      isFirst: this.at === 0,
+      isLast: this.at === this.steps.length - 1,
       communicating: ids(step.communicating),
       waiting: ids(step.waiting),
     };

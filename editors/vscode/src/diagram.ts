@@ -1,5 +1,6 @@
 /** The diagram beside the text: drawn anew as the text changes, lit where the cursor is. */
 
+import { basename } from "node:path";
 import * as vscode from "vscode";
 import type { Step } from "./counterexample";
 import { Counterexample } from "./counterexample";
@@ -7,7 +8,7 @@ import type { Wanted } from "./export";
 import { exportDiagram } from "./export";
 import { page } from "./html";
 import type { Chosen, FromPage, PagePart, ToPage, Which } from "./messages";
-import type { Diagram, Part, Range } from "./places";
+import type { Diagram, Part } from "./places";
 import { definitionAt, partsAt, tellsMore } from "./places";
 import { reasonOf } from "./reason";
 import type { Server } from "./server";
@@ -35,6 +36,8 @@ export class DiagramView implements vscode.Disposable {
     this.post({ type: "status", text, stale });
   });
   private counterexample = new Counterexample();
+  /** The elements at the cursor, by identifier. */
+  private lit: readonly string[] = [];
   private readonly disposables: vscode.Disposable[];
 
   constructor(
@@ -331,9 +334,16 @@ export class DiagramView implements vscode.Disposable {
     }
   }
 
-  private light(editor: vscode.TextEditor, reveal: boolean): void {
-    const parts = partsAt(this.picture?.parts ?? [], editor.document.uri.toString(), editor.selection.active);
-    this.post({ type: "lit", ids: parts.map((part) => part.id), reveal });
+  /** Lights what is at the cursor; what was not lit before, such as an element that was just written, is shown. */
+  private light(editor: vscode.TextEditor, moved: boolean): void {
+    const { line, character } = editor.selection.active;
+    // In its indentation a line means what it begins with.
+    const begin = editor.document.lineAt(line).firstNonWhitespaceCharacterIndex;
+    const at = { line, character: Math.max(character, begin) };
+    const ids = partsAt(this.picture?.parts ?? [], editor.document.uri.toString(), at).map((part) => part.id);
+    const isOther = ids.some((id) => !this.lit.includes(id));
+    this.lit = ids;
+    this.post({ type: "lit", ids, reveal: moved || isOther });
   }
 
   private async received(message: FromPage): Promise<void> {
@@ -387,17 +397,15 @@ export class DiagramView implements vscode.Disposable {
     const uri = vscode.Uri.parse(place.uri);
     const column = this.editor()?.viewColumn ?? vscode.ViewColumn.One;
     try {
-      await vscode.window.showTextDocument(uri, { selection: toRange(place.range), viewColumn: column });
+      // Without selecting it: what is typed next would replace it.
+      const start = new vscode.Position(place.range.start.line, place.range.start.character);
+      await vscode.window.showTextDocument(uri, { selection: new vscode.Range(start, start), viewColumn: column });
     } catch (problem) {
-      void vscode.window.showErrorMessage(`${uri.fsPath} cannot be shown: ${reasonOf(problem)}`);
+      void vscode.window.showErrorMessage(`${basename(uri.fsPath)} cannot be shown: ${reasonOf(problem)}`);
     }
   }
 }
 
 function isProgram(document: vscode.TextDocument): boolean {
   return document.languageId === "csp";
-}
-
-function toRange({ start, end }: Range): vscode.Range {
-  return new vscode.Range(start.line, start.character, end.line, end.character);
 }

@@ -36,7 +36,7 @@ export async function install(environment: string): Promise<boolean> {
   }
   for (const command of wanted) {
     if ((await runInTerminal(command)) !== 0) {
-      void vscode.window.showErrorMessage(`cspdiag was not installed: "${shown(command)}" failed, see the terminal`);
+      void vscode.window.showErrorMessage(`cspdiag was not installed: ${command[2] ?? ""} failed, see the terminal`);
       return false;
     }
   }

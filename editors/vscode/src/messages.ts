@@ -8,9 +8,9 @@ export type ToPage =
   /** What is to be known about the picture; empty if nothing is. `stale`: the text has changed since. */
   | { type: "status"; text: string; stale: boolean }
   /** The elements at the cursor, by identifier. */
-  | { type: "lit"; ids: string[]; reveal: boolean }
+  | { type: "lit"; ids: readonly string[]; reveal: boolean }
   /** A step of a counterexample; `text` is empty if none is shown. */
-  | { type: "step"; text: string; position: string; communicating: string[]; waiting: string[] };
+  | { type: "step"; text: string; position: string; isFirst: boolean; isLast: boolean; communicating: string[]; waiting: string[] };
 
 /** What a diagram is of, which is kept when the window is loaded again; without a `process` it is that at the cursor. */
 export interface Chosen {

@@ -74,7 +74,7 @@ export class Runs implements vscode.Disposable {
     const unsaved = await save((await cspdiag.program(uri))?.files ?? []);
     const program = await cspdiag.program(uri);
     if (unsaved !== undefined || program === null) {
-      const reason = unsaved === undefined ? "it is not open, or too large" : `${unsaved.fsPath} could not be saved`;
+      const reason = unsaved === undefined ? "it is not open, or too large" : `${path.basename(unsaved.fsPath)} could not be saved`;
       void vscode.window.showErrorMessage(`${environment} was not run: ${reason}.`);
       return;
     }

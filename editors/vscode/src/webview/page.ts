@@ -61,6 +61,9 @@ function receive(message: ToPage): void {
       steps.hidden = message.text === "";
       element("step", HTMLSpanElement).textContent = message.text;
       element("position", HTMLOutputElement).textContent = message.position;
+      // Without disabling them, which would take the keyboard away from the one that was pressed.
+      element("previous", HTMLButtonElement).ariaDisabled = String(message.isFirst);
+      element("next", HTMLButtonElement).ariaDisabled = String(message.isLast);
       picture.reveal([...picture.mark("communicating", message.communicating), ...picture.mark("waiting", message.waiting)]);
       break;
   }

@@ -149,6 +149,13 @@ export class Picture {
     found[0]?.scrollIntoView({ block: "nearest", inline: "nearest" });
   }
 
+  private revealFocused(): void {
+    const focused = document.activeElement;
+    if (focused instanceof SVGElement && this.room.contains(focused)) {
+      this.reveal([focused]);
+    }
+  }
+
   resize(): void {
     const { width, height } = this.natural();
     this.svg?.setAttribute("width", String(width * this.present()));
@@ -211,8 +218,10 @@ export class Picture {
       return;
     } else if (event.key === "+" || event.key === "=") {
       this.larger();
+      this.revealFocused();
     } else if (event.key === "-") {
       this.smaller();
+      this.revealFocused();
     } else if (event.key === "0") {
       this.fit();
     } else {

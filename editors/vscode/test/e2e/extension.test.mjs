@@ -52,6 +52,15 @@ const SLOW = `process Main {
 assert Main deadlock free
 `;
 
+const MANY = `process Leaf { composition { skip } }
+process Many {
+  communication {
+${Array.from({ length: 14 }, (_, k) => `    a${k} : Leaf`).join("\n")}
+  }
+  composition { ${Array.from({ length: 14 }, (_, k) => `a${k}`).join(" || ")} }
+}
+`;
+
 /** @type {Editor} */
 let editor;
 
@@ -69,7 +78,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP, "half.csp": HALF, "only.csp": HALF.slice(HALF.indexOf("process Bad")), "crossed.csp": CROSSED, "fault.csp": FAULT, "count.csp": COUNT, "used.csp": "const unused = 1\n", "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const files = { "slip.csp": SLIP, "half.csp": HALF, "only.csp": HALF.slice(HALF.indexOf("process Bad")), "crossed.csp": CROSSED, "many.csp": MANY, "fault.csp": FAULT, "count.csp": COUNT, "used.csp": "const unused = 1\n", "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   const task = { label: "say", type: "shell", command: "cat said.txt", problemMatcher: ["$cspdiag", "$cspdiag-absolute"], presentation: { reveal: "never" }, group: { kind: "build", isDefault: true } };
   files[".vscode/tasks.json"] = JSON.stringify({ version: "2.0.0", tasks: [task] });
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
@@ -206,6 +215,32 @@ step("a file in which nothing can be drawn says why, under a title of its own", 
   await editor.diagram.locator("#Align-velocity.lit").waitFor();
 });
 
+step("an element that was just written is lit and in view, also from the indentation of its line", async () => {
+  const isInView = (id) =>
+    editor.diagram.locator(`#${id}`).evaluate((element) => {
+      const [own, room] = [element, document.getElementById("picture")].map((each) => each.getBoundingClientRect());
+      return own.left > room.left - 2 && own.right < room.right + 2 && own.top > room.top - 2 && own.bottom < room.bottom + 2;
+    });
+  await editor.open("many.csp", 4, 5);
+  await editor.diagram.locator("#Many-a0.lit").waitFor();
+  for (let zoomed = 0; zoomed < 8; zoomed++) await editor.diagram.locator("#larger").click();
+  await editor.goTo(4, 6);
+  await editor.until(() => isInView("Many-a0"));
+  await editor.goTo(17, 80);
+  await editor.page.keyboard.press("Enter");
+  await editor.page.keyboard.type("extra : Leaf");
+  await editor.diagram.locator("#Many-extra.lit").waitFor();
+  await editor.until(() => isInView("Many-extra"));
+  assert.equal(await isInView("Many-a0"), false);
+  await editor.goTo(4, 2);
+  await editor.diagram.locator("#Many-a0.lit").waitFor();
+  await editor.until(() => isInView("Many-a0"));
+  await editor.diagram.locator("#fit").click();
+  await editor.command("File: Revert File");
+  await editor.open("jiwy.csp", 29, 6);
+  await editor.diagram.locator("#Align-velocity.lit").waitFor();
+});
+
 step("a mistake is marked in the diagram as one types", async () => {
   await editor.goTo(32, 38);
   await editor.page.keyboard.type("x");
@@ -321,11 +356,13 @@ step("a counterexample is stepped through in the diagram", async () => {
   await editor.page.locator(".codelens-decoration a", { hasText: "Refuted" }).waitFor();
   await editor.page.locator(".codelens-decoration a", { hasText: "Step through" }).click();
   await editor.diagram.locator("#position", { hasText: "1/3" }).waitFor();
+  await editor.diagram.locator('#previous[aria-disabled="true"]').waitFor();
   await editor.diagram.locator("#Main-left-a-right-a.communicating").waitFor();
   await editor.diagram.locator("#next").click();
   await editor.diagram.locator("#Main-right-b-left-b.communicating").waitFor();
   await editor.diagram.locator("#next").click();
   await editor.diagram.locator("#Main-right.waiting").waitFor();
+  await editor.diagram.locator('#next[aria-disabled="true"]').waitFor();
   assert.equal(await editor.diagram.locator(".communicating").count(), 0);
   await editor.screenshot("counterexample");
   await editor.diagram.locator("#which").selectOption("composition");

@@ -8,10 +8,10 @@ const step = (process: string, text: string) => ({ process, text, communicating:
 
 test("a step is shown by its elements in the diagram of its process, and named in another one", () => {
   const steps = new Counterexample([step("Main", "left.a 1"), step("Left", "wait")]);
-  const shown = { type: "step", text: "left.a 1", position: "1/2", communicating: ["id-left"], waiting: ["id-right"] };
+  const shown = { type: "step", text: "left.a 1", position: "1/2", isFirst: true, isLast: false, communicating: ["id-left"], waiting: ["id-right"] };
   assert.deepEqual(steps.shownIn(picture), shown);
   steps.move(1);
-  const elsewhere = { ...shown, text: "This step is in the diagram of Left: wait", position: "2/2", communicating: [], waiting: [] };
+  const elsewhere = { ...shown, text: "This step is in the diagram of Left: wait", position: "2/2", isFirst: false, isLast: true, communicating: [], waiting: [] };
   assert.deepEqual(steps.shownIn(picture), elsewhere);
 });
 
