@@ -232,6 +232,18 @@ def test_names_of_headers_are_changed() -> None:
     assert [name for name in declared() if identifier(name) == name] == []
 
 
+def test_no_file_of_a_program_begins_like_those_of_the_kernel() -> None:
+    """Which of these belong to a build is decided by their names."""
+    names = {role: f"{role[:1]}{number}q" for number, role in enumerate(ROLES)}
+    changed = {"law": "csp_port", "inner": "CspPortPosix"}
+    text = PROGRAM.format(**names | changed)
+    built = pipeline.build(SourceFile(name="csp_port_board.csp", text=text), read)
+    assert built.network is not None
+    files = {path for path in pipeline.generate(built.network, read, "c") if not path.startswith("support/")}
+    assert {path for path in files if path.startswith("csp")} == {"csp_config.h"}
+    assert {"xcsp_port.c", "xcsp_port_posix.c", "xcsp_port_board_api.h"} <= files
+
+
 EVENTS = """
 memory instance input inputs output outputs hooks begin advance continues finish release stop save restore
 describe api types in_level IN_LEVEL SIZE size More level Level LEVEL class int top_inputs mode MODE mode_more

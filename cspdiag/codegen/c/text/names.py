@@ -14,10 +14,14 @@ def identifier(text: str) -> str:
     joined = as_one_word(text)
     if not joined or joined[0].isdigit():
         joined = f"n{joined}"
-    if joined.startswith("_"):
+    if joined.startswith("_") or _is_of_kernel(joined):
         joined = f"x{joined}"
-    clashes = is_reserved(joined) or f"{joined.lower()}_".startswith("csp_")
-    return f"{joined}_" if clashes else joined
+    return f"{joined}_" if is_reserved(joined) else joined
+
+
+def _is_of_kernel(name: str) -> bool:
+    """Whether names and files of the kernel begin so."""
+    return f"{name.lower()}_".startswith("csp_")
 
 
 def snake_case(name: str) -> str:
@@ -45,8 +49,9 @@ _TARGETS = words(
 
 def library_name(package: str) -> str:
     """The name of the library of a package, without ``lib`` and ``.a``, with which its names begin."""
-    clashes = package in _LIBRARIES | _TARGETS or f"{package.lower()}_".startswith("csp_")
-    return f"{package}_" if clashes else package
+    if _is_of_kernel(package):
+        return f"x{package}"
+    return f"{package}_" if package in _LIBRARIES | _TARGETS else package
 
 
 class Names(GivenNames):

@@ -113,7 +113,7 @@ typedef struct commstime_hooks {
 typedef enum commstime_state {
     COMMSTIME_MORE,     /* everything up to the instant is done */
     COMMSTIME_BUDGET,   /* the steps are used up, and something is still due: call again */
-    COMMSTIME_REFUSED,  /* nothing was done: the instant is past or INT64_MAX, or nothing runs */
+    COMMSTIME_REFUSED,  /* nothing was done: the instant is past or after 292 years, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     COMMSTIME_ENDED,    /* by itself */
     COMMSTIME_FAILED,   /* by an exception or a fault */

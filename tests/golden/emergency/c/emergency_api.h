@@ -130,7 +130,7 @@ typedef struct emergency_hooks {
      * their functions only.
      */
     bool (*poll)(void *context, emergency_event event, void *value);
-    /* Nanoseconds; 0: the greatest common divisor of the periods, or 1 ms. */
+    /* Nanoseconds; 0 or less: the greatest common divisor of the periods, or 1 ms. */
     int64_t grid;
     /* Hands this output over. `safe`: it is its safe value, and its last. */
     void (*actuate)(void *context, emergency_output output,
@@ -162,7 +162,7 @@ typedef struct emergency_hooks {
 typedef enum emergency_state {
     EMERGENCY_MORE,     /* everything up to the instant is done */
     EMERGENCY_BUDGET,   /* the steps are used up, and something is still due: call again */
-    EMERGENCY_REFUSED,  /* nothing was done: the instant is past or INT64_MAX, or nothing runs */
+    EMERGENCY_REFUSED,  /* nothing was done: the instant is past or after 292 years, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     EMERGENCY_ENDED,    /* by itself */
     EMERGENCY_FAILED,   /* by an exception or a fault */

@@ -141,7 +141,7 @@ typedef struct jiwy_hooks {
      * their functions only.
      */
     bool (*poll)(void *context, jiwy_event event, void *value);
-    /* Nanoseconds; 0: the greatest common divisor of the periods, or 1 ms. */
+    /* Nanoseconds; 0 or less: the greatest common divisor of the periods, or 1 ms. */
     int64_t grid;
     /* Hands this output over. `safe`: it is its safe value, and its last. */
     void (*actuate)(void *context, jiwy_output output,
@@ -173,7 +173,7 @@ typedef struct jiwy_hooks {
 typedef enum jiwy_state {
     JIWY_MORE,     /* everything up to the instant is done */
     JIWY_BUDGET,   /* the steps are used up, and something is still due: call again */
-    JIWY_REFUSED,  /* nothing was done: the instant is past or INT64_MAX, or nothing runs */
+    JIWY_REFUSED,  /* nothing was done: the instant is past or after 292 years, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     JIWY_ENDED,    /* by itself */
     JIWY_FAILED,   /* by an exception or a fault */
