@@ -81,7 +81,7 @@ class Law:
         self.states.update(following)
         self.time += duration
 
-    def sample(self, **inputs: Any) -> dict[str, Any]:
+    def sample(self, /, **inputs: Any) -> dict[str, Any]:
         """All signals after one run of a sampled submodel, with the inputs held. «Submodels: the control laws»"""
         signals = self.evaluate(**inputs)
         self.advance(signals, self.parameters.get("sample", self.constants.get("sample", 0.0)))

@@ -97,11 +97,13 @@ class PackageNames(Package):
         self.exceptions: Mapping[str, str] = {
             name: definitions[name] for name in network.exceptions if name not in ("Timeout", "Fault")
         }
-        self.modules: Mapping[str, str] = {entry.name: modules[snake_case(entry.name)] for entry in network.classes}
+        self.modules: Mapping[str, str] = {
+            entry.name: modules.fresh(snake_case(entry.name)) for entry in network.classes
+        }
         self.environments: Mapping[str, str] = {entry.name: definitions[entry.name] for entry in network.environments}
         folder = Names()
         self.environment_modules: Mapping[str, str] = {
-            entry.name: folder[snake_case(entry.name)] for entry in network.environments
+            entry.name: folder.fresh(snake_case(entry.name)) for entry in network.environments
         }
         by_hand = {entry.name for entry in network.classes if isinstance(entry, ProcessClass) and entry.external}
         made = (python for name, python in self.classes.items() if name not in by_hand)
