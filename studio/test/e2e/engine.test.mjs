@@ -26,6 +26,22 @@ test("JIWY is there at once, with its diagram and the picture of its plant", asy
   await page.close();
 });
 
+test("a diagram is shown whole where it is legible", async () => {
+  const page = await studio.open({ width: 1440 });
+  const many = (each) => [1, 2, 3, 4].map(each).join(" ");
+  await write(page, `process A { out o : int composition { mu (o ! 1) } }
+process Tall {
+  out ${[1, 2, 3, 4].map((k) => `o${k}`).join(", ")} : int
+  communication { ${many((k) => `a${k} : A a${k}.o -> o${k}`)} }
+  composition { a1 || a2 || a3 || a4 }
+}
+`);
+  await page.locator("#Tall-a4").waitFor();
+  const room = await page.locator("#ui-diagram").evaluate(({ scrollHeight, clientHeight }) => ({ scrollHeight, clientHeight }));
+  assert.ok(room.scrollHeight <= room.clientHeight, JSON.stringify(room));
+  await page.close();
+});
+
 test("what is inside of what is shown is found, and shown", async () => {
   const page = await studio.open();
   await page.getByLabel("Find in the diagram").fill("servo");

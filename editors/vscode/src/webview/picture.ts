@@ -18,6 +18,8 @@ const STEP = 1.2;
 const LARGEST = 1.4;
 /** In a room that is narrower than this, in pixels, a diagram is shown at least so large that it can be read. */
 const [NARROW, LEGIBLE] = [500, 0.8];
+/** As small as this a whole diagram is still preferred to a part of it. */
+const SMALLEST = 0.6;
 const ACTIVE = /^(?:script|foreignObject|iframe|object|embed|animate|set|animateTransform|animateMotion|use|image)$/i;
 
 /** An SVG from a text, without anything that could act or fetch; undefined if the text is not one. */
@@ -173,13 +175,14 @@ export class Picture {
     }
     const { width, height } = this.natural();
     const wide = this.room.clientWidth / width;
+    const all = Math.min(wide, this.room.clientHeight / height, LARGEST);
     if (this.whole) {
-      return Math.min(wide, this.room.clientHeight / height, LARGEST);
+      return all;
     }
     if (this.room.clientWidth < NARROW) {
       return Math.min(Math.max(wide, LEGIBLE), 1);
     }
-    return wide <= 1 ? wide : Math.min(wide, LARGEST, Math.max(1, this.room.clientHeight / height));
+    return Math.max(all, Math.min(wide, SMALLEST));
   }
 
   /** Changes the size, and keeps a point of the window in its place. */
