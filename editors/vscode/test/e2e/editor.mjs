@@ -56,8 +56,8 @@ export class Editor {
     }
     if (withCspdiag) editor.install(".venv");
     const places = ["--user-data-dir", user, "--extensions-dir", path.join(editor.root, "extensions")];
-    // Without the cspdiag of whoever runs the tests.
-    const env = { ...process.env, HOME: editor.root, PATH: "/usr/bin:/bin", XDG_CONFIG_HOME: editor.root };
+    // Without the cspdiag of whoever runs the tests, and without packages of the network.
+    const env = { ...process.env, HOME: editor.root, PATH: "/usr/bin:/bin", XDG_CONFIG_HOME: editor.root, PIP_NO_INDEX: "1" };
     delete env.VSCODE_IPC_HOOK_CLI;
     execFileSync(process.execPath, [CODE_SERVER, ...places, "--install-extension", VSIX], { env, stdio: "pipe" });
     const port = await freePort();
@@ -81,9 +81,18 @@ export class Editor {
     editor.browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
     editor.page = await editor.browser.newPage({ viewport: { width: 1280, height: 800 } });
     editor.page.setDefaultTimeout(30_000);
-    await editor.page.goto(`http://127.0.0.1:${port}/?folder=${encodeURIComponent(editor.folder)}`);
+    editor.address = `http://127.0.0.1:${port}/`;
+    await editor.page.goto(`${editor.address}?folder=${encodeURIComponent(editor.folder)}`);
     await editor.page.locator(".monaco-workbench").waitFor();
     return editor;
+  }
+
+  /** Opens several folders in place of the one. */
+  async openWorkspace(folders) {
+    const workspace = path.join(this.root, "several.code-workspace");
+    writeFileSync(workspace, JSON.stringify({ folders: folders.map((folder) => ({ path: folder })) }));
+    await this.page.goto(`${this.address}?workspace=${encodeURIComponent(workspace)}`);
+    await this.page.locator(".monaco-workbench").waitFor();
   }
 
   /** Puts cspdiag into an environment of the folder. */
@@ -142,13 +151,14 @@ export class Editor {
     await this.page.locator(".quick-input-widget").waitFor({ state: "hidden" });
   }
 
-  /** Opens a file of the folder, at a line and column if they are given. */
+  /** Opens a file of the folder, or by its whole path, at a line and column if they are given. */
   async open(name, line, column = 1) {
     // Not into the group of the diagram.
     await this.page.keyboard.press("Control+1");
     // The whole path: names alone are looked for with ripgrep, which may not be there.
-    await this.quickly(path.join(this.folder, name), name);
-    await this.page.locator(".tab.active", { hasText: name }).waitFor();
+    const file = path.basename(name);
+    await this.quickly(path.resolve(this.folder, name), file);
+    await this.page.locator(".tab.active", { hasText: file }).waitFor();
     if (line !== undefined) await this.goTo(line, column);
   }
 

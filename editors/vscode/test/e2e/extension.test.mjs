@@ -1,6 +1,6 @@
 // The extension in an editor, as its user meets it.
 import assert from "node:assert/strict";
-import { existsSync, readFileSync, unlinkSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, unlinkSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
 import { Editor } from "./editor.mjs";
@@ -35,6 +35,11 @@ environment Bench for Divider { y -> _ }
 const COUNT = `import "used.csp"
 process Counter { communication { var n : int = 0 } composition { mu (n := n + 1 ; wait 1 us) } }
 environment Bench for Counter { }
+`;
+
+/** Waits all the time. */
+const IDLE = `process Idle { composition { mu (wait 100 ms) } }
+environment Room for Idle { }
 `;
 
 /** Has two thousand million states. */
@@ -395,6 +400,30 @@ step("after a change the lens has the answer of before", async () => {
   await editor.page.locator(".view-line", { hasText: "hello" }).waitFor({ state: "hidden" });
 });
 
+step("a text that is in no file yet is drawn as soon as it is one in CSP, and is saved and run", async () => {
+  await editor.page.keyboard.press("Control+1");
+  await editor.page.keyboard.press("F1");
+  await editor.page.locator(".quick-input-widget input").fill(">File: New Untitled Text File");
+  // Beside the command that compares two.
+  await editor.page.locator('.quick-input-list .monaco-list-row[aria-label^="File: New Untitled Text File"]').click();
+  await editor.page.locator(".tab.active", { hasText: "Untitled-1" }).waitFor();
+  await editor.quickly(">Change Language Mode", "Change Language Mode");
+  await editor.page.locator(".quick-input-list .monaco-list-row", { hasText: "Auto Detect" }).first().waitFor();
+  await editor.page.locator(".quick-input-widget input").fill("CSP");
+  await editor.page.locator(".quick-input-list .monaco-list-row.focused", { hasText: "CSP" }).waitFor();
+  await editor.page.keyboard.press("Enter");
+  await editor.page.keyboard.insertText("process Fresh { composition { wait 1 s } }\nenvironment Lone for Fresh { }\n");
+  await editor.diagram.locator("svg", { hasText: "process Fresh" }).waitFor({ state: "attached" });
+  await editor.page.locator(".codelens-decoration a", { hasText: "Run" }).first().click();
+  const input = editor.page.locator(".quick-input-widget input").first();
+  // The dialog writes the proposed name some time after it is there.
+  await editor.until(async () => (await input.inputValue()).endsWith(".csp"));
+  await input.fill(path.join(editor.folder, "fresh one.csp"));
+  await editor.page.locator(".quick-input-widget a.monaco-button", { hasText: "OK" }).click();
+  await editor.page.locator(".tab.active", { hasText: "fresh one.csp" }).waitFor();
+  await editor.page.locator(".codelens-decoration", { hasText: "ended by itself at 1 s" }).waitFor();
+});
+
 step("an export is asked for another name if its ending is no format", async () => {
   const input = editor.page.locator(".quick-input-widget input").first();
   await editor.diagram.locator("#export").click();
@@ -471,4 +500,18 @@ step("a file that is not UTF-8, and one that is deleted while it is open", async
   unlinkSync(path.join(editor.folder, "latin.csp"));
   await editor.open("slip.csp", 2, 20);
   await editor.page.locator(".squiggly-error").first().waitFor();
+});
+
+step("of several folders each has its own time for runs", async () => {
+  const second = path.join(editor.root, "second");
+  mkdirSync(path.join(second, ".vscode"), { recursive: true });
+  writeFileSync(path.join(second, ".vscode/settings.json"), JSON.stringify({ "cspdiag.run.for": "3 s" }));
+  writeFileSync(path.join(second, "idle.csp"), IDLE);
+  writeFileSync(path.join(editor.folder, "idle.csp"), IDLE);
+  await editor.openWorkspace([editor.folder, second]);
+  for (const [folder, time] of [[second, "3 s"], [editor.folder, "20 s"]]) {
+    await editor.open(path.join(folder, "idle.csp"), 1);
+    await editor.page.locator(".codelens-decoration a", { hasText: "Run" }).first().click();
+    await editor.page.locator(".codelens-decoration", { hasText: `reached the time limit at ${time}` }).waitFor();
+  }
 });

@@ -38,6 +38,17 @@ test("cspdiag is offered, and what would run is said before it runs", async () =
   await dialog.waitFor({ state: "hidden" });
 });
 
+test("an installation that fails says what failed, and cspdiag is still offered", async () => {
+  await editor.page.locator(".statusbar-item", { hasText: "cspdiag" }).click();
+  const offer = await editor.notification("cspdiag is not installed here");
+  await offer.locator("a", { hasText: "Install" }).click();
+  await editor.page.locator(".monaco-dialog-box a.monaco-button", { hasText: /^Install$/ }).click();
+  const failed = await editor.notification(/cspdiag was not installed: (venv|pip) failed, see the terminal/);
+  await editor.screenshot("install-failed");
+  await failed.locator(".codicon-notifications-clear").click();
+  await editor.page.locator(".statusbar-item", { hasText: "cspdiag" }).waitFor();
+});
+
 test("what a setting names is said with its whole path, until it is mended", async () => {
   editor.settings({ "cspdiag.path": "${workspaceFolder}/none/bin/cspdiag" });
   const first = await editor.notification(`There is no file ${editor.folder}/none/bin/cspdiag`);
