@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from typing import TYPE_CHECKING
 
@@ -229,9 +229,10 @@ def first_error(diagnostics: Sequence[Diagnostic]) -> str:
     return next((item.message for item in diagnostics if item.severity == "error"), "")
 
 
-def plan_sweep(request: Request, reader: Reader) -> Plan:
-    """The plan of a sweep. Raises InvalidProgramError, SettingError, ``MeasureError``, NoEnvironmentError and
-    ``SelectionError``.
+def plan_sweep(request: Request, reader: Reader, on_planned: Callable[[int, int], object] | None = None) -> Plan:
+    """The plan of a sweep. ``on_planned`` is called while it is made, see ``programs_of``.
+
+    Raises InvalidProgramError, SettingError, ``MeasureError``, NoEnvironmentError and ``SelectionError``.
     """
     texts: dict[str, str] = {}
 
@@ -247,7 +248,8 @@ def plan_sweep(request: Request, reader: Reader) -> Plan:
     measures = parse_measures(request.measures, network, environment)
     tunable = _tunable(grid, network)
     compiled = tuple(at for at in range(len(grid.axes)) if at not in tunable)
-    programs = programs_of(maker, grid, compiled, tuple(at for at in tunable if not _is_tunable(grid.axes[at])))
+    varied = tuple(at for at in tunable if not _is_tunable(grid.axes[at]))
+    programs = programs_of(maker, grid, compiled, varied, on_planned)
     texts[request.source.name] = request.source.text
     return Plan(request, texts, maker, found, grid, measures, compiled, tunable, programs, network)
 

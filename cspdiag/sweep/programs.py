@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from math import prod
 from typing import TYPE_CHECKING, Protocol
@@ -52,15 +52,23 @@ class EnvironmentMaker(Protocol):
         """
 
 
-def programs_of(maker: EnvironmentMaker, grid: Grid, compiled: tuple[int, ...], varied: tuple[int, ...]) -> Programs:
+def programs_of(
+    maker: EnvironmentMaker,
+    grid: Grid,
+    compiled: tuple[int, ...],
+    varied: tuple[int, ...],
+    on_planned: Callable[[int, int], object] | None = None,
+) -> Programs:
     """The programs for the values of the axes ``compiled``, which are compiled in, and ``varied``, parameters of the
     environment that become parameters of the program.
 
     Sizes, the order of integration, and what faults may depend on the latter. So the environment is made for every
-    combination of values: those with equal ones share a program.
+    combination of values: those with equal ones share a program. ``on_planned`` is called after each with the number
+    of combinations that are known, and that of all.
     """
     axes = (*compiled, *varied)
     sizes = tuple(len(grid.axes[at].values) for at in axes)
+    total = prod(sizes)
     paths = [grid.axes[at].target.path for at in varied]
     numbers, settings = array("L"), list[Mapping[str, str]]()
     for fixed in _combinations(grid, compiled):
@@ -73,6 +81,8 @@ def programs_of(maker: EnvironmentMaker, grid: Grid, compiled: tuple[int, ...], 
                 known[key] = len(settings)
                 settings.append({**fixed, **own})
             numbers.append(known[key])
+            if on_planned is not None:
+                on_planned(len(numbers), total)
     more = len(settings) > prod(sizes[: len(compiled)])
     structural = _structural(axes, sizes, numbers, len(compiled)) if more else ()
     return Programs(axes, sizes, numbers, tuple(settings), structural)

@@ -42,6 +42,15 @@ def planned(program: str, given: dict[str, str], *measures: str, until: int | No
     )
 
 
+def test_a_plan_says_how_far_it_is() -> None:
+    source = SourceFile(name="heater.csp", text=HEATER)
+    given = {"gain": "0.3:2:3", "room.volume": "1:4:2", "T": "100ms,250ms"}
+    seen: list[tuple[int, int]] = []
+    request = Request(source=source, given=given, measures=(), environment=None, until=None)
+    plan_sweep(request, read_source, lambda known, total: seen.append((known, total)))
+    assert seen == [(number, 4) for number in range(1, 5)], "each value of T with each of the volume"
+
+
 @needs_compiler
 def test_native_sweeps_and_those_in_python_are_equal_to_the_bit(heater: cspdiag.LoadedProgram) -> None:
     given = {"gain": "0.3:2:3", "room.volume": "1:4:2", "T": "100ms,250ms"}

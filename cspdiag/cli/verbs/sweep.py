@@ -123,6 +123,7 @@ def _check_outputs(arguments: Namespace) -> None:
 
 
 def _planned(arguments: Namespace) -> Plan:
+    from cspdiag.cli.support.runs.sweep_progress import PlanProgress
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.settings import SettingError, parse_time_limit, split_settings
     from cspdiag.simulate.run.execute import NoEnvironmentError
@@ -138,7 +139,10 @@ def _planned(arguments: Namespace) -> Plan:
             until=None if arguments.until is None else parse_time_limit(arguments.until),
             real=arguments.real or "double",
         )
-        return plan_sweep(request, read_source)
+        if arguments.quiet:
+            return plan_sweep(request, read_source)
+        with closing(PlanProgress()) as progress:
+            return plan_sweep(request, read_source, progress.planned)
     except (SettingError, SelectionError, MeasureError, NoEnvironmentError) as problem:
         raise UsageError(str(problem)) from None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.cli.support.runs.sweep_progress import SweepProgress
+from cspdiag.cli.support.runs.sweep_progress import PlanProgress, SweepProgress
 
 
 @pytest.mark.parametrize(
@@ -26,3 +26,7 @@ def test_nothing_is_estimated_from_one_run() -> None:
     progress = SweepProgress(100, 50)
     progress.done()
     assert progress.line(1.0) == "51 of 100 runs"
+
+
+def test_planning_says_how_long_it_takes() -> None:
+    assert PlanProgress().line(500, 2000, 2.0) == "comparing equations: 500 of 2000 combinations, 6 s left"
