@@ -71,7 +71,7 @@ const editor = new Editor(element("editor", HTMLElement), {
   format: () => void format(),
 });
 const generate = new Generate(engine, workspace);
-const saving = new Saving(engine, workspace, report);
+const saving = new Saving(engine, workspace, report, write);
 const showHand = viewers(engine, report, (controls) => run.control(controls));
 const showPart = tabs(element("parts", HTMLElement), (view) => (layout.dataset["part"] = view));
 const showSide = tabs(element("sides", HTMLElement), (view) => (layout.dataset["side"] = view));
@@ -115,6 +115,16 @@ function look(file: string): void {
   showFile(file);
   showPart("text");
   editor.focus();
+}
+
+/** Replaces the text of a file. */
+function write(file: string, text: string): void {
+  if (file === editor.shown) {
+    editor.replace(text);
+  } else {
+    workspace.write(file, text);
+    paintFiles();
+  }
 }
 
 /** The files that the last check found to be named as bodies. */
@@ -243,15 +253,12 @@ async function share(): Promise<void> {
 }
 
 /** Offers the examples, and the program of the engine, with what was written into it. */
-function offer(known: readonly Model[], own: Program | undefined): void {
-  const file = own === undefined ? [] : [[OWN, own.main] as const];
+function offer(known: readonly Model[]): void {
+  const file = saving.own === undefined ? [] : [[OWN, saving.own.main] as const];
   options(models, [["", "Examples"], ...file, ...known.map((model) => [model.name, model.title] as const)]);
   models.addEventListener("change", () => {
     const name = models.value;
-    if (saving.shown) {
-      own = workspace.program;
-    }
-    const model = name === OWN ? own : known.find((each) => each.name === name);
+    const model = name === OWN ? saving.own : known.find((each) => each.name === name);
     if (model !== undefined) {
       // The way back leads to what was written before.
       void keep().then(() => {
@@ -270,10 +277,7 @@ async function follow(running: Running): Promise<void> {
   await check();
 }
 
-async function opened({ models: known, program, running, able }: Hello): Promise<void> {
-  if (program != null && able?.["save"] === true) {
-    saving.offer(program);
-  }
+async function opened({ models: known, program, running }: Hello): Promise<void> {
   if (running != null) {
     await follow(running);
     return;
@@ -300,6 +304,7 @@ function listen(): void {
   workspace.onChange(checkSoon);
   workspace.onChange(keepSoon);
   engine.on("started", (running) => void follow(running));
+  engine.on("on_disk", (program) => saving.take(program));
   engine.on("starting", ({ doing }) => say(status, `Starting the engine: ${doing} …`));
   engine.on("ready", () => greet(false));
   element("share", HTMLButtonElement).addEventListener("click", () => void share());
@@ -334,7 +339,10 @@ async function begin(): Promise<void> {
     trust.onMachine = hello.engine === "machine";
     greeting = hello.engine === "machine" ? `On this machine · ${hello.version}` : `In this browser · ${hello.version}`;
     greet(false);
-    offer(hello.models, hello.able?.["save"] === true ? (hello.program ?? undefined) : undefined);
+    if (hello.program != null && hello.able?.["save"] === true) {
+      saving.offer(hello.program);
+    }
+    offer(hello.models);
     generate.offer(hello.targets ?? []);
     run.able(hello.able ?? {}, hello.unable ?? {}, hello.recordings ?? []);
     if (hello.hand !== undefined) {

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 from cspdiag.studio.server.engines import EngineGoneError, EngineProcess
@@ -22,6 +23,8 @@ CONTROL = frozenset({"start", "play", "pause", "step", "input", "tune", "stop"})
 
 PATIENCE_TO_STOP = 3.0
 """Seconds in which a program stops; after that, its engine is ended."""
+BETWEEN_LOOKS = 0.5
+"""Seconds between two looks at the files on disk."""
 MOST_PENDING = 100
 """Requests of one viewer that may wait for their answers."""
 
@@ -38,6 +41,7 @@ class Room:
         self._work = EngineProcess(command, files.command_folder)
         self._session = self._new_session()
         self._running: dict[str, Any] | None = None
+        self._looking: asyncio.Task[None] | None = None
         self._own: dict[str, Callable[[Viewer, Any], Any]] = {
             "take_hand": self._take_hand,
             "cancel": self._cancel,
@@ -50,6 +54,8 @@ class Room:
         if self._hand is None:
             self._hand = viewer
         self._tell_hand()
+        if self._looking is None:
+            self._looking = asyncio.create_task(self._look())
 
     async def leave(self, viewer: Viewer) -> None:
         """A page is gone. If it had the hand, the program is stopped, and the page that is open longest has it."""
@@ -58,12 +64,32 @@ class Room:
             self._hand = self.viewers[0] if self.viewers else None
             await self._end_session("the page that controlled it was closed, or its connection was lost")
         self._tell_hand()
+        if not self.viewers:
+            self._look_no_more()
 
     async def close(self) -> None:
         """The server ends: the program is stopped, and its outputs are released."""
+        self._look_no_more()
         await self._session.end()
         await self._questions.end()
         await self._work.end()
+
+    async def _look(self) -> None:
+        """Tell all pages when files of the program have changed on disk."""
+        while True:
+            await asyncio.sleep(BETWEEN_LOOKS)
+            if self._files.look():
+                self._files.tell()
+                with suppress(RefusedError):  # A file that cannot be read at present.
+                    program = (await self._ask(self._questions, "hello", {}))["program"]
+                    self._files.opened(program)
+                    for viewer in self.viewers:
+                        viewer.send({"method": "on_disk", "params": program})
+
+    def _look_no_more(self) -> None:
+        looking, self._looking = self._looking, None
+        if looking is not None:
+            looking.cancel()
 
     async def answer(self, viewer: Viewer, method: str, params: Any) -> Any:
         """The result of a request. Raises RefusedError."""

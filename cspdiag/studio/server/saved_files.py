@@ -1,4 +1,4 @@
-"""Saves the files of the program that the studio was started with."""
+"""The files of the program that the studio was started with: pages save them, and others change them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cspdiag.base.errors import file_error
+from cspdiag.base.files.content import digest_of_file
 from cspdiag.base.files.whole import write_whole
 from cspdiag.base.span import with_line_feeds
 from cspdiag.studio.engine.program_file import ProgramFile
@@ -16,12 +17,17 @@ _WHEN_CHANGED = "copy what you want to keep, and reload the page"
 
 
 class SavedFiles:
-    """Saves the files of a program as pages know them: only these, and only while nobody else changes them."""
+    """Saves the files of a program as pages know them: only these, and only while nobody else changes them. Says when
+    the disk has other ones than pages were told.
+    """
 
     def __init__(self, file: ProgramFile) -> None:
         self._file = file
         self._folder = Path(file.own_folder)
         self._names: frozenset[str] = frozenset()
+        self._told: dict[str, str | None] = {}
+        self._seen: dict[str, str | None] = {}
+        """The digests of the files when they were last looked at."""
 
     @property
     def command_folder(self) -> str:
@@ -32,6 +38,18 @@ class SavedFiles:
         """Pages get this program, of the engine that has read it."""
         self._folder = Path(self._file.folder(program["main"]))
         self._names = frozenset(program["files"])
+
+    def look(self) -> bool:
+        """Whether there is something to tell: files are not those of ``tell``, and have not changed since the last
+        look, so that nobody is in the middle of writing one.
+        """
+        before = self._seen
+        self._seen = {name: digest_of_file(str(self._folder / name)) for name in self._names}
+        return self._seen == before and self._seen != self._told
+
+    def tell(self) -> None:
+        """Pages are told what the disk has."""
+        self._told = self._seen
 
     def save(self, name: object, text: object, before: object) -> None:
         """Replace a file as a whole; ``before`` is what it contained when the page got it. Raises RefusedError."""

@@ -302,6 +302,8 @@ export interface Notifications {
   log: { text: string };
   hand: HandState;
   started: Running;
+  /** The program of the engine, whose files somebody has changed. */
+  on_disk: Program;
   starting: { doing: string };
   ready: Record<string, never>;
 }

@@ -1,4 +1,4 @@
-/** Saves files of the program on the machine where its engine runs. */
+/** The files of the program on the machine where its engine runs: saves them, and takes over what others have written. */
 
 import { type Engine, inWords } from "../engine/engine";
 import type { Program } from "../engine/messages";
@@ -9,7 +9,8 @@ export class Saving {
   private readonly button = element("save", HTMLButtonElement);
   /** The texts as they are on the disk, of the program that the engine was started with. */
   private saved: Record<string, string> = {};
-  private offered = false;
+  /** That program, with what was written into it while it was shown. */
+  own: Program | undefined;
   /** Whether that program is shown, and not an example or that of a link. */
   shown = false;
 
@@ -17,6 +18,7 @@ export class Saving {
     private readonly engine: Engine,
     private readonly workspace: Workspace,
     private readonly report: (text: string) => void,
+    private readonly write: (file: string, text: string) => void,
   ) {
     this.button.addEventListener("click", () => void this.save());
     window.addEventListener("keydown", (event) => {
@@ -30,19 +32,55 @@ export class Saving {
         event.preventDefault();
       }
     });
-    workspace.onChange(() => this.paint());
+    workspace.onChange(() => {
+      this.own = this.shown ? workspace.program : this.own;
+      this.paint();
+    });
   }
 
   /** The engine has opened this program from the disk. */
   offer(program: Program): void {
     this.saved = { ...program.files };
-    this.offered = true;
+    this.own = program;
     this.paint();
+  }
+
+  /** Files have changed on the disk: they are shown as they are there, unless they have also changed here. */
+  take({ files, main }: Program): void {
+    if (this.own === undefined) {
+      return;
+    }
+    if (main !== this.own.main) {
+      this.report("The program on disk has files in other folders now: reload the page to have them.");
+      return;
+    }
+    const here = this.own.files;
+    const others = Object.entries(files).filter(([name, text]) => text !== this.saved[name]);
+    const taken = others.filter(([name]) => here[name] === this.saved[name]);
+    const kept = others.filter(([name, text]) => here[name] !== this.saved[name] && here[name] !== text);
+    const keeps = new Set(kept.map(([name]) => name));
+    for (const [name, text] of others.filter(([each]) => !keeps.has(each))) {
+      this.saved[name] = text;
+    }
+    if (this.shown) {
+      taken.forEach(([name, text]) => this.write(name, text));
+    } else {
+      this.own = { ...this.own, files: { ...here, ...Object.fromEntries(taken) } };
+    }
+    this.say(taken, "changed on disk, and now shown as on disk");
+    this.say(kept, "changed on disk as well as here: to have what is there, copy what you want to keep, and reload the page");
+    this.paint();
+  }
+
+  private say(files: readonly (readonly [string, string])[], what: string): void {
+    if (files.length > 0) {
+      this.report(`${files.map(([name]) => name).join(", ")}: ${what}.`);
+    }
   }
 
   /** A program is shown: that of the disk, or another one. */
   opens(isOwn: boolean): void {
-    this.shown = this.offered && isOwn;
+    this.shown = this.own !== undefined && isOwn;
     this.paint();
   }
 
@@ -57,7 +95,7 @@ export class Saving {
   }
 
   private async save(): Promise<void> {
-    if (!this.offered) {
+    if (this.own === undefined) {
       this.report("Here nothing is saved: copy the link, which holds the whole program.");
       return;
     }

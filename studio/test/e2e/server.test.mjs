@@ -55,12 +55,29 @@ test("what is written is saved, and not over what others have written", async ()
   await page.getByText("buffer.csp is saved.").waitFor();
   assert.match(readFileSync(file, "utf8"), /^\/\/ written here\n/);
   assert.equal(await page.getByRole("button", { name: "Save" }).isDisabled(), true);
-  writeFileSync(file, `// by others\n${readFileSync(file, "utf8")}`);
   await page.locator(".cm-content").click();
   await page.keyboard.insertText("// once more\n");
+  writeFileSync(file, `// by others\n${readFileSync(file, "utf8")}`);
+  await page.getByText(/buffer\.csp: changed on disk as well as here.*reload the page/).waitFor();
   await page.keyboard.press("Control+s");
   await page.getByText(/buffer\.csp has changed on disk.*copy what you want to keep/).waitFor();
   assert.match(readFileSync(file, "utf8"), /^\/\/ by others\n/);
+  await page.close();
+});
+
+test("what another editor writes is shown, also in a program that was left for an example", async () => {
+  const page = await open();
+  const before = readFileSync(file, "utf8");
+  writeFileSync(file, `// by an editor\n${before}`);
+  await page.locator(".cm-line", { hasText: "// by an editor" }).waitFor();
+  await page.getByText("buffer.csp: changed on disk, and now shown as on disk.").waitFor();
+  assert.equal(await page.getByRole("button", { name: "Save" }).isDisabled(), true);
+  await page.getByLabel("Example", { exact: true }).selectOption("watchdog");
+  await page.locator(".files button[aria-pressed=true]", { hasText: "watchdog.csp" }).waitFor();
+  writeFileSync(file, `// by an editor again\n${before}`);
+  await page.getByText("buffer.csp: changed on disk, and now shown as on disk.").waitFor();
+  await page.getByLabel("Example", { exact: true }).selectOption("/");
+  await page.locator(".cm-line", { hasText: "// by an editor again" }).waitFor();
   await page.close();
 });
 
@@ -155,7 +172,7 @@ test("a program runs as native code, is stepped and stopped, and can be looked b
   await page.getByRole("button", { name: "Resume" }).click();
   await page.getByText("ended by itself at").waitFor();
   await page.getByRole("button", { name: "Back" }).click();
-  assert.match(await page.locator("#ui-time").textContent(), / of /);
+  await page.locator("#ui-time", { hasText: / of / }).waitFor();
   await page.getByRole("combobox", { name: "Speed" }).selectOption("real time");
   assert.equal(await code.isDisabled(), true);
   assert.equal(await code.getAttribute("title"), "In real time the studio runs Python");

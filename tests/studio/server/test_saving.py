@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,29 @@ def test_a_file_that_was_changed_meanwhile_is_not_overwritten(tmp_path: Path) ->
         studio.open().ask("hello")
         assert "has changed on disk" in _saved(page, "a.csp", "x")
         assert studio.program.read_text(encoding="utf-8") == "changed\n"
+
+
+def test_pages_are_told_what_others_write_and_what_is_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cspdiag.studio.server.room.BETWEEN_LOOKS", 0.02)
+    with Studio(tmp_path) as studio:
+        first, second = studio.open(), studio.open()
+        first.ask("hello")
+
+        def wait_for(text: str) -> None:
+            for page in (first, second):
+                while page.wait_for("on_disk") != {"files": {"a.csp": text}, "main": "a.csp"}:
+                    pass
+
+        wait_for(BEFORE)
+        studio.program.write_text("by others\n", encoding="utf-8")
+        wait_for("by others\n")
+        assert _saved(first, "a.csp", "saved\n", "by others\n") == "saved"
+        wait_for("saved\n")
+        studio.program.rename(tmp_path / "away")
+        time.sleep(0.1)
+        (tmp_path / "away").write_text("back\n", encoding="utf-8")
+        (tmp_path / "away").rename(studio.program)
+        wait_for("back\n")
 
 
 @pytest.mark.parametrize("file", ["../a.csp", "/etc/passwd", "page/index.html", "", None, 5, "a.csp\0"])
