@@ -1,4 +1,2 @@
-function(ament_target_dependencies)
-endfunction()
 function(ament_package)
 endfunction()
