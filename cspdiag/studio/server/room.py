@@ -79,7 +79,7 @@ class Room:
         while True:
             await asyncio.sleep(BETWEEN_LOOKS)
             if self._files.look():
-                self._files.tell()
+                self._files.note()
                 with suppress(RefusedError):  # A file that cannot be read at present.
                     program = (await self._ask(self._questions, "hello", {}))["program"]
                     self._files.opened(program)

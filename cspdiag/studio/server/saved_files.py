@@ -18,14 +18,14 @@ _WHEN_CHANGED = "copy what you want to keep, and reload the page"
 
 class SavedFiles:
     """Saves the files of a program as pages know them: only these, and only while nobody else changes them. Says when
-    the disk has other ones than pages were told.
+    the disk has others than pages know.
     """
 
     def __init__(self, file: ProgramFile) -> None:
         self._file = file
         self._folder = Path(file.own_folder)
         self._names: frozenset[str] = frozenset()
-        self._told: dict[str, str | None] = {}
+        self._known: dict[str, str | None] = {}
         self._seen: dict[str, str | None] = {}
         """The digests of the files when they were last looked at."""
 
@@ -40,16 +40,16 @@ class SavedFiles:
         self._names = frozenset(program["files"])
 
     def look(self) -> bool:
-        """Whether there is something to tell: files are not those of ``tell``, and have not changed since the last
+        """Whether there is news for pages: files are not those of ``note``, and have not changed since the last
         look, so that nobody is in the middle of writing one.
         """
         before = self._seen
         self._seen = {name: digest_of_file(str(self._folder / name)) for name in self._names}
-        return self._seen == before and self._seen != self._told
+        return self._seen == before and self._seen != self._known
 
-    def tell(self) -> None:
-        """Pages are told what the disk has."""
-        self._told = self._seen
+    def note(self) -> None:
+        """Pages know what the disk has."""
+        self._known = self._seen
 
     def save(self, name: object, text: object, before: object) -> None:
         """Replace a file as a whole; ``before`` is what it contained when the page got it. Raises RefusedError."""

@@ -174,7 +174,7 @@ test("a program runs as native code, is stepped and stopped, and can be looked b
   await page.getByRole("button", { name: "Back" }).click();
   await page.locator("#ui-time", { hasText: / of / }).waitFor();
   await page.getByRole("combobox", { name: "Speed" }).selectOption("real time");
-  assert.equal(await code.isDisabled(), true);
+  await page.locator("#ui-code:disabled").waitFor();
   assert.equal(await code.getAttribute("title"), "In real time the studio runs Python");
   await page.close();
 });

@@ -51,7 +51,7 @@ def test_a_file_that_was_changed_meanwhile_is_not_overwritten(tmp_path: Path) ->
         assert studio.program.read_text(encoding="utf-8") == "changed\n"
 
 
-def test_pages_are_told_what_others_write_and_what_is_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pages_learn_what_others_write_and_what_is_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cspdiag.studio.server.room.BETWEEN_LOOKS", 0.02)
     with Studio(tmp_path) as studio:
         first, second = studio.open(), studio.open()
