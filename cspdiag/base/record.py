@@ -75,24 +75,6 @@ class Slotted:
     __record_stores__: ClassVar[tuple[Callable[[Any, object], None], ...]] = ()
 
 
-def _with_slots(cls: Any) -> Any:
-    """The same class with a slot for each field that it adds. TypeError if a base has a dictionary."""
-    namespace = {key: value for key, value in vars(cls).items() if key not in {"__dict__", "__weakref__"}}
-    fields = _declared_in(namespace.get("__annotations__", {}))
-    # A class cannot have an attribute with the name of a slot.
-    defaults = {**cls.__record_defaults__, **{field: namespace.pop(field) for field in fields if field in namespace}}
-    inherited = field_names_of(cls)
-    namespace |= {
-        "__qualname__": cls.__qualname__,
-        "__slots__": tuple([field for field in fields if field not in inherited]),
-        "__record_defaults__": defaults,
-    }
-    made = type(cls)(cls.__name__, cls.__bases__, namespace)
-    if made.__dictoffset__:
-        raise TypeError(f"a base of {cls.__name__} is no record, so it has a dictionary")
-    return made
-
-
 def field_names_of(kind: type) -> tuple[str, ...]:
     """The names of the fields of a class of records, in order; none for other classes."""
     names: tuple[str, ...] = getattr(kind, "__record_fields__", ())
@@ -127,11 +109,17 @@ _OFTEN = 100
 
 def _keep(values: dict[str, Any]) -> None:
     self = values.pop("self")
-    kind = type(self)
-    if isinstance(self, Slotted):
-        _take_all(map(object.__setattr__, repeat(self), values, values.values()))
-    else:
-        self.__dict__.update(values)
+    self.__dict__.update(values)
+    _count(type(self))
+
+
+def _keep_in_slots(values: dict[str, Any]) -> None:
+    self = values.pop("self")
+    _take_all(map(object.__setattr__, repeat(self), values, values.values()))
+    _count(type(self))
+
+
+def _count(kind: type) -> None:
     count = _counts.get(kind)
     if count is not None:
         _counts[kind] = count + 1
@@ -143,9 +131,95 @@ def _construct(self: Any) -> None:
     _keep(locals())
 
 
+def _construct_in_slots(self: Any) -> None:
+    _keep_in_slots(locals())
+
+
 def _construct_and_complete(self: Any) -> None:
     _keep(locals())
     self.__post_init__()
+
+
+def _construct_in_slots_and_complete(self: Any) -> None:
+    _keep_in_slots(locals())
+    self.__post_init__()
+
+
+class _InDictionary:
+    """How records keep their fields: in the dictionary of each, defaults as attributes of the class.
+
+    The constructors of a class consist of the instructions of ``constructor``, or of ``completing`` if it has a
+    ``__post_init__``.
+    """
+
+    constructor = staticmethod(_construct)
+    completing = staticmethod(_construct_and_complete)
+
+    @staticmethod
+    def prepared(cls: Any) -> Any:
+        """The class, or the one to use in its place."""
+        return cls
+
+    @staticmethod
+    def complete(cls: Any) -> None:
+        """Give the class what depends on its fields."""
+
+    @staticmethod
+    def defaults(cls: Any, names: tuple[str, ...]) -> Mapping[str, Any]:
+        """The values of the fields that have a default."""
+        return {name: getattr(cls, name) for name in names if hasattr(cls, name)}
+
+    @staticmethod
+    def instructions(cls: Any, names: tuple[str, ...], prefix: str) -> tuple[str, dict[str, Any]]:
+        """Statements that store parameters in the fields of ``self``, and the other names that they use, which begin
+        with the prefix.
+        """
+        stores = "".join([f"    {prefix}[{name!r}] = {name}\n" for name in names])
+        return f"    {prefix} = self.__dict__\n{stores}", {}
+
+
+class _InSlots(_InDictionary):
+    """How slotted records keep their fields: in slots of the class, of which a class that adds fields is made anew."""
+
+    constructor = staticmethod(_construct_in_slots)
+    completing = staticmethod(_construct_in_slots_and_complete)
+
+    @staticmethod
+    def prepared(cls: Any) -> Any:
+        """The same class with a slot for each field that it adds. TypeError if a base has a dictionary."""
+        namespace = {key: value for key, value in vars(cls).items() if key not in {"__dict__", "__weakref__"}}
+        fields = _declared_in(namespace.get("__annotations__", {}))
+        # A class cannot have an attribute with the name of a slot.
+        defaults = {**cls.__record_defaults__, **{field: namespace.pop(field) for field in fields if field in namespace}}
+        inherited = field_names_of(cls)
+        namespace |= {
+            "__qualname__": cls.__qualname__,
+            "__slots__": tuple([field for field in fields if field not in inherited]),
+            "__record_defaults__": defaults,
+        }
+        made = type(cls)(cls.__name__, cls.__bases__, namespace)
+        if made.__dictoffset__:
+            raise TypeError(f"a base of {cls.__name__} is no record, so it has a dictionary")
+        return made
+
+    @staticmethod
+    def complete(cls: Any) -> None:
+        cls.__record_stores__ = tuple([getattr(cls, name).__set__ for name in cls.__record_fields__])
+        cls.__reduce__ = _stored
+
+    @staticmethod
+    def defaults(cls: Any, names: tuple[str, ...]) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = cls.__record_defaults__
+        return found
+
+    @staticmethod
+    def instructions(cls: Any, names: tuple[str, ...], prefix: str) -> tuple[str, dict[str, Any]]:
+        stores = "".join([f"    {prefix}{name}(self, {name})\n" for name in names])
+        return stores, {f"{prefix}{name}": getattr(cls, name).__set__ for name in names}
+
+
+def _layout(cls: type) -> type[_InDictionary]:
+    return _InSlots if issubclass(cls, Slotted) else _InDictionary
 
 
 def _constructor(cls: type, positional: tuple[str, ...], by_name: tuple[str, ...]) -> Constructor:
@@ -154,15 +228,12 @@ def _constructor(cls: type, positional: tuple[str, ...], by_name: tuple[str, ...
     As in a dataclass, ``__post_init__`` is called if there is one. The instructions of ``_construct`` do not depend on
     its parameters, so nothing has to be compiled.
     """
-    defaults: Mapping[str, Any]
-    if issubclass(cls, Slotted):
-        defaults = cls.__record_defaults__
-    else:
-        defaults = {name: getattr(cls, name) for name in positional + by_name if hasattr(cls, name)}
+    layout = _layout(cls)
+    defaults = layout.defaults(cls, positional + by_name)
     optional = tuple(name for name in positional if name in defaults)
     if positional[len(positional) - len(optional) :] != optional:
         raise TypeError(f"{cls.__name__} has fields without a default after fields with one")
-    template = _construct_and_complete if hasattr(cls, "__post_init__") else _construct
+    template = layout.completing if hasattr(cls, "__post_init__") else layout.constructor
     code = template.__code__.replace(
         co_varnames=("self", *positional, *by_name),
         co_nlocals=1 + len(positional) + len(by_name),
@@ -181,16 +252,11 @@ def _compile_constructor(cls: Any) -> None:
     """
     made = cls.__init__
     names = made.__code__.co_varnames
-    kept = "_" * (max(map(len, names)) + 1)
+    prefix = "_" * (max(map(len, names)) + 1)
     positional = names[: made.__code__.co_argcount]
     parameters = ", ".join([*positional, *(["*", *names[len(positional) :]] if len(names) > len(positional) else [])])
     completed = "    self.__post_init__()\n" if hasattr(cls, "__post_init__") else ""
-    scope: dict[str, Any] = {}
-    if issubclass(cls, Slotted):
-        scope = {f"{kept}{name}": getattr(cls, name).__set__ for name in names[1:]}
-        stores = "".join([f"    {kept}{name}(self, {name})\n" for name in names[1:]])
-    else:
-        stores = f"    {kept} = self.__dict__\n" + "".join([f"    {kept}[{name!r}] = {name}\n" for name in names[1:]])
+    stores, scope = _layout(cls).instructions(cls, names[1:], prefix)
     exec(f"def __init__({parameters}):\n{stores}{completed}", scope)
     code = scope["__init__"].__code__.replace(co_qualname=made.__qualname__, co_filename=__file__)
     cls.__init__ = FunctionType(code, scope, "__init__", made.__defaults__)
@@ -210,7 +276,7 @@ def _hash(self: Any) -> int:
     return known
 
 
-def _hash_of_slots(self: Any) -> int:
+def _hash_without_dictionary(self: Any) -> int:
     return hash(self.__record_values__(self))
 
 
@@ -232,8 +298,8 @@ def _no_values(_: object) -> tuple[()]:
 
 
 def _prepared(cls: Any, kw_only: bool) -> Any:
-    if issubclass(cls, Slotted):
-        cls = _with_slots(cls)
+    layout = _layout(cls)
+    cls = layout.prepared(cls)
     inherited = field_names_of(cls)
     own = tuple(name for name in _declared_in(cls.__annotations__) if name not in inherited)
     names = inherited + own
@@ -247,9 +313,7 @@ def _prepared(cls: Any, kw_only: bool) -> Any:
         cls.__init__ = _constructor(cls, positional, by_name)
         if names:
             _counts[cls] = 0
-    if issubclass(cls, Slotted):
-        cls.__record_stores__ = tuple([getattr(cls, name).__set__ for name in names])
-        cls.__reduce__ = _stored
+    layout.complete(cls)
     for method in ("__setattr__", "__delattr__", "__repr__"):
         if getattr(cls, method) is getattr(object, method):
             setattr(cls, method, getattr(_Shared, method))
@@ -295,13 +359,13 @@ def _compare_by_value(cls: Any, order: bool) -> None:
     compared = [name for name in cls.__record_fields__ if name not in uncompared]
     cls.__record_values__ = attrgetter(*compared) if compared else staticmethod(_no_values)
     cls.__eq__ = _equal
-    if issubclass(cls, Slotted):
-        cls.__hash__ = _hash_of_slots
-    else:
+    if cls.__dictoffset__:
         cls.__record_hash__ = None
         cls.__hash__ = _hash
         if cls.__getstate__ is object.__getstate__:
             cls.__getstate__ = _state
+    else:
+        cls.__hash__ = _hash_without_dictionary
     if order:
         cls.__lt__ = _less
 

@@ -17,6 +17,8 @@ _UNCHANGED_FIELDS = frozenset({"span", "type", "doc"})
 def with_inner_actions(action: ir.Action, change: Callable[[ir.Action], ir.Action]) -> ir.Action:
     """The action with each action directly inside it changed, in text order."""
     match action:
+        case ir.RunInstance():  # First, because that is what large networks have most of.
+            return action
         case ir.SequentialSteps() | ir.ParallelSteps():
             return changed(action, steps=mapped(action.steps, change))
         case ir.Choice():
@@ -30,9 +32,9 @@ def with_inner_actions(action: ir.Action, change: Callable[[ir.Action], ir.Actio
         case ir.InterruptOn():
             return changed(action, body=change(action.body), branch=_branch(action.branch, change))
         case (
-            ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep()
-            | ir.WaitStep() | ir.ResetInstance() | ir.RaiseException() | ir.ReadInputs() | ir.WriteOutputs()
-            | ir.RunLaw() | ir.ResetStates() | ir.ReportCommunication()
+            ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep() | ir.WaitStep()
+            | ir.ResetInstance() | ir.RaiseException() | ir.ReadInputs() | ir.WriteOutputs() | ir.RunLaw()
+            | ir.ResetStates() | ir.ReportCommunication()
         ):  # fmt: skip
             return action
         case _:

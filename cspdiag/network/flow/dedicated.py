@@ -89,7 +89,9 @@ def _connections(process: ProcessClass, network: Network) -> Iterator[tuple[Plac
 
 
 def _tasks(body: ir.Action | None) -> Iterator[list[ir.Action]]:
-    """The actions of each task that the composition of a process consists of, without those of instances."""
+    """The actions of each task that the composition of a process consists of, without those of instances, and without
+    tasks that only run one.
+    """
     roots = [] if body is None else [body]
     for root in roots:
         task = []
@@ -99,7 +101,7 @@ def _tasks(body: ir.Action | None) -> Iterator[list[ir.Action]]:
             task.append(action)
             match action:
                 case ir.ParallelSteps(steps=steps):
-                    roots += steps
+                    roots += [step for step in steps if not isinstance(step, ir.RunInstance)]
                 case ir.InterruptOn(body=interrupted, branch=branch):
                     roots.append(interrupted)
                     pending.append(branch.body)

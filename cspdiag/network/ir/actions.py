@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Generic, Literal, TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.base.record import record
+from cspdiag.base.record import Slotted, record
 from cspdiag.model.types import Type
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
@@ -27,7 +27,7 @@ else:
 
 
 @record
-class PortEnd:
+class PortEnd(Slotted):
     """A port of the enclosing process class; ``index`` counts in an array of ports.
 
     ``end`` distinguishes the reading ends of a port in parallel parts of this process, each of which gets every sample
@@ -40,7 +40,7 @@ class PortEnd:
 
 
 @record
-class ChannelEnd:
+class ChannelEnd(Slotted):
     """A channel that the enclosing process class declares; ``end`` as for ports."""
 
     channel: str

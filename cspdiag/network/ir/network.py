@@ -15,11 +15,11 @@ from collections.abc import Iterable
 from typing import Generic, Literal, TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.base.record import record
+from cspdiag.base.record import Slotted, record
 from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import EnumType, StructType, Type
 from cspdiag.network.ir.actions import A_co, ChannelEnd, CoreAction, End
-from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.declared import Declared, DeclaredElement
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall, LinearBlock, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, Value
 
@@ -98,7 +98,7 @@ class Port(Declared):
 
 
 @record(kw_only=True)
-class LocalChannel(Declared):
+class LocalChannel(DeclaredElement):
     """A channel that a process class owns; a variable of the text is one of kind ``var``.
 
     ``initial`` belongs to ``var``, and so does ``iterations``, the number of iterations of a loop that the compiler
@@ -132,7 +132,7 @@ Attachment: TypeAlias = End | ConstantEnd | DiscardEnd
 
 
 @record(kw_only=True)
-class Connection:
+class Connection(Slotted):
     """What a port of an instance is attached to, in terms of the enclosing class."""
 
     port: str
@@ -141,7 +141,7 @@ class Connection:
 
 
 @record(kw_only=True)
-class InstanceOf(Declared):
+class InstanceOf(DeclaredElement):
     """An instance inside a process class.
 
     ``array`` and ``index`` are set for elements of an array of instances: ``cell[3]`` has array ``cell`` and index 3.
@@ -175,7 +175,7 @@ class SubmodelState(Declared):
 
 
 @record
-class CreatedInstance:
+class CreatedInstance(Slotted):
     """An instance, in the order of creation."""
 
     instance: str
@@ -303,7 +303,7 @@ class Environment(Declared):
 
 
 @record(kw_only=True)
-class Instantiation:
+class Instantiation(Slotted):
     """An instance by its path from the outermost process (``Jiwy.horizontal.alignL``), with the values of its
     parameters.
     """
@@ -314,7 +314,7 @@ class Instantiation:
 
 
 @record(kw_only=True)
-class Net:
+class Net(Slotted):
     """A channel with all its users: the paths of the leaf processes (``Jiwy.horizontal.alignL.velocity``) and their
     ports.
 

@@ -100,7 +100,8 @@ def all_actions(action: ir.Action | None) -> Iterator[ir.Action]:
     while pending:
         present = pending.pop()
         yield present
-        pending.extend(reversed(actions_inside(present)))
+        if type(present) is not ir.RunInstance:
+            pending.extend(reversed(actions_inside(present)))
 
 
 @overload

@@ -7,6 +7,7 @@ if all occurrences agree, by any ``time`` parameter with the same value, or else
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias, assert_never
 
 from cspdiag.base import Report
@@ -67,7 +68,7 @@ class Classes:
         self.made: dict[str, CoreClass | SubmodelClass] = {}
         self._distinct = DistinctNames(program.definitions)
         self.class_of: dict[Occurrence | LawOccurrence, str] = {}
-        self._names: dict[CoreClass | SubmodelClass, str] = {}
+        self._laws: dict[SubmodelClass, str] = {}
         self._ends: dict[Shape, ReadingEnds] = {}
 
     def make(self, occurrences: list[Occurrence]) -> None:
@@ -75,7 +76,7 @@ class Classes:
         for occurrence in occurrences:
             for child in occurrence.children.values():
                 if isinstance(child, LawOccurrence) and child not in self.class_of:
-                    self.class_of[child] = self._name(child.flattened.cls)
+                    self.class_of[child] = self._law_name(child.flattened.cls)
         grouped: dict[ast.ProcessDefinition, list[Occurrence]] = {}
         for occurrence in occurrences:
             grouped.setdefault(occurrence.definition, []).append(occurrence)
@@ -90,36 +91,47 @@ class Classes:
             known = self._ends[shape] = ReadingEnds(shape)
         return known
 
-    def _name(self, cls: CoreClass | SubmodelClass) -> str:
-        """The name of a class; further shapes of a definition are numbered: ``Ring_2``."""
-        known = self._names.get(cls)
-        if known is not None:
-            return known
-        name = cls.name
-        if name in self.made:
-            name = self._distinct.fresh(name, lambda number: f"{cls.name}_{number}")
-        self._names[cls] = name
-        self.made[name] = replaced(cls, name=name)
+    def _law_name(self, law: SubmodelClass) -> str:
+        """The name of the class of a law; equal ones are one class."""
+        name = self._laws.get(law)
+        if name is None:
+            name = self._laws[law] = self._fresh(law.name)
+            self.made[name] = replaced(law, name=name)
         return name
+
+    def _fresh(self, name: str) -> str:
+        """The name of a new class; further shapes of a definition are numbered: ``Ring_2``."""
+        return self._distinct.fresh(name, lambda number: f"{name}_{number}") if name in self.made else name
 
     def _make_processes(self, occurrences: list[Occurrence]) -> None:
         """Makes the classes of one definition: one for equal shapes, with the derived parameters of all its
         occurrences.
         """
         sketches: dict[object, CoreClass] = {}
-        groups: dict[CoreClass, list[Occurrence]] = {}
+        members_of: dict[object, list[Occurrence]] = {}
         for occurrence in occurrences:
             inside = tuple(self.class_of[child] for child in occurrence.children.values())
             key = (occurrence.placed, inside, occurrence.tunable)
-            sketch = sketches.get(key)
-            if sketch is None:
-                sketch = sketches[key] = _Sketch(self, occurrence).process_class()
-            groups.setdefault(sketch, []).append(occurrence)
-        for sketch, members in groups.items():
-            name = self._name(sketch)
+            if key not in sketches:
+                sketches[key] = _Sketch(self, occurrence).process_class()
+            members_of.setdefault(key, []).append(occurrence)
+        for sketch, members in _alike(sketches, members_of):
+            name = self._fresh(sketch.name)
             self.made[name] = replaced(_Derivation(self, sketch, members).complete(), name=name)
             for occurrence in members:
                 self.class_of[occurrence] = name
+
+
+def _alike(
+    sketches: Mapping[object, CoreClass], members_of: Mapping[object, list[Occurrence]]
+) -> Iterable[tuple[CoreClass, list[Occurrence]]]:
+    """Each of the sketches that differ, with the occurrences of all that are equal to it."""
+    if len(sketches) == 1:  # There is nothing to compare, and a class may have very many parts.
+        return [(sketch, members_of[key]) for key, sketch in sketches.items()]
+    groups: dict[CoreClass, list[Occurrence]] = {}
+    for key, sketch in sketches.items():
+        groups.setdefault(sketch, []).extend(members_of[key])
+    return groups.items()
 
 
 class _Sketch:

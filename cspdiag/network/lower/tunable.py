@@ -14,6 +14,7 @@ from cspdiag.model.program import Program
 from cspdiag.model.types import UNKNOWN
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
 from cspdiag.network.ir.actions import CoreAction
+from cspdiag.network.ir.declared import Declared, DeclaredElement
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import Expression, ParameterValue, TunableValue, Value
 from cspdiag.network.ir.network import (
@@ -166,7 +167,9 @@ def _parameter(leaf: _Leaf, inner: Class) -> ClassParameter:
 def _names_of(entry: Class) -> set[str]:
     """The names that something in a class has already."""
     if isinstance(entry, ProcessClass):
-        return {item.name for item in (*entry.parameters, *entry.ports, *entry.channels, *entry.instances)}
+        declared: tuple[Declared | DeclaredElement, ...]
+        declared = (*entry.parameters, *entry.ports, *entry.channels, *entry.instances)
+        return {item.name for item in declared}
     return names_of_law(entry)
 
 

@@ -6,7 +6,7 @@ from cspdiag.analyses.timing.threads.graph import Offer
 from cspdiag.base import Span
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.actions import ChannelEnd, End, Step
-from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.declared import Declared, DeclaredElement
 from cspdiag.network.ir.durations import Durations
 from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, Value
 from cspdiag.network.ir.network import CoreNetwork, Net, ProcessClass
@@ -29,7 +29,7 @@ class ChannelEnds:
         return self._net_of.get((path, end.port if end.index is None else f"{end.port}[{end.index}]"))
 
     def reading(
-        self, path: str, end: End, target: int, where: Step | Declared, *, owner: str = "", takes: bool = True
+        self, path: str, end: End, target: int, where: Step | Declared | DeclaredElement, *, owner: str = "", takes: bool = True
     ) -> list[Offer]:
         """What reading waits for; empty if it never waits. ``owner`` is the process that follows samples there."""
         net = self.net(path, end)
@@ -42,7 +42,7 @@ class ChannelEnds:
             return [Offer("event", target, where.span, net.path)]
         return [Offer("partner", target, where.span, net.path)]
 
-    def writing(self, path: str, end: End, target: int, where: Step | Declared) -> list[Offer]:
+    def writing(self, path: str, end: End, target: int, where: Step | Declared | DeclaredElement) -> list[Offer]:
         """What writing waits for; empty if it never waits."""
         net = self.net(path, end)
         if net is None or net.external is not None or net.kind in ("var", "overwrite"):

@@ -12,7 +12,7 @@ from cspdiag.analyses.timing.threads.offers import ChannelEnds
 from cspdiag.analyses.timing.threads.termination import Termination, Values, without_changed
 from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.actions import Branch, CoreAction, Event, PortEnd, Step
-from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.declared import Declared, DeclaredElement
 from cspdiag.network.ir.expressions import Expression, VariableValue
 from cspdiag.network.ir.network import Connection, CoreNetwork, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
@@ -58,7 +58,7 @@ class Places:
         self.missing: dict[str, Missing] = {}
         self.unseen: list[Refusal] = []
 
-    def place(self, context: Context, where: Step | Declared, **fields: Any) -> int:
+    def place(self, context: Context, where: Step | Declared | DeclaredElement, **fields: Any) -> int:
         """Add a place to a thread; returns its number."""
         context.thread.places.append(Place(where.span, context.path, **fields))
         return len(context.thread.places) - 1
@@ -74,7 +74,7 @@ class Places:
             return 0
         return stated
 
-    def waiting(self, context: Context, where: Step | Declared, offers: list[Offer], following: int) -> int:
+    def waiting(self, context: Context, where: Step | Declared | DeclaredElement, offers: list[Offer], following: int) -> int:
         """A place that waits for one of ``offers``; ``following`` if it never waits."""
         if not offers:
             return following
@@ -84,7 +84,7 @@ class Places:
         self.interruptible(place, context)
         return waits
 
-    def resumed(self, context: Context, where: Step | Declared, target: int) -> int:
+    def resumed(self, context: Context, where: Step | Declared | DeclaredElement, target: int) -> int:
         """The place where a thread continues after a wait.
 
         Within a process that states its time, every step takes that long; where a fault is caught, the next computation
