@@ -190,7 +190,10 @@ class _InSlots(_InDictionary):
         namespace = {key: value for key, value in vars(cls).items() if key not in {"__dict__", "__weakref__"}}
         fields = _declared_in(namespace.get("__annotations__", {}))
         # A class cannot have an attribute with the name of a slot.
-        defaults = {**cls.__record_defaults__, **{field: namespace.pop(field) for field in fields if field in namespace}}
+        defaults = {
+            **cls.__record_defaults__,
+            **{field: namespace.pop(field) for field in fields if field in namespace},
+        }
         inherited = field_names_of(cls)
         namespace |= {
             "__qualname__": cls.__qualname__,

@@ -252,11 +252,15 @@ class _Walk:
                 ends.setdefault(key, attachment.span)
         groups = tuple([tuple(ports) for ports in attached.values() if len(ports) > 1])
         inside = self.relations.of(instance.shape, groups)
+        has_ends = not instance.shape.is_submodel
         for key, ports in attached.items():
             use = inside.get(ports[0])
             if use is not None:
-                access = Access(ends[key], span, instance.name, not instance.shape.is_submodel)
-                _put(uses, self.same.get(key, key), _lifted(use, access), False)
+                lifted = _lifted(use, Access(ends[key], span, instance.name, has_ends))
+                if self.same:
+                    _put(uses, self.same.get(key, key), lifted, False)
+                else:
+                    uses[key] = lifted
         return uses
 
     def _reads(self, source: ir.End, span: Span) -> UsesByKey:
@@ -307,7 +311,11 @@ def _joined(one: UsesByKey, other: UsesByKey, parallel: bool) -> UsesByKey:
     if len(one) < len(other):
         one, other = other, one
     for key, use in other.items():
-        _put(one, key, use, parallel)
+        known = one.get(key)
+        if known is None:
+            one[key] = use
+        else:
+            known.join(use, parallel)
     return one
 
 

@@ -116,6 +116,8 @@ def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> Proce
 def _with_known_values(instance: InstanceOf, fold: Callable[[Any], Any]) -> InstanceOf:
     """The instance with its arguments and the defaults of its inputs folded."""
     has_defaults = any(isinstance(connection.attachment, ConstantEnd) for connection in instance.connections)
+    if not (instance.arguments or has_defaults):
+        return instance
     return changed(
         instance,
         arguments=rewritten(instance.arguments, fold),

@@ -153,6 +153,6 @@ def repetitions_from(
                 return times, tuple(steps)
             before, after = outlines[position - period].numbers, outlines[position].numbers
             change += [b - a for a, b in zip(before, after, strict=True)]
-        if (times > 1 and change != steps) or not counts(change):
+        if change != steps if times > 1 else not counts(change):
             return times, tuple(steps)
         steps, times = change, times + 1

@@ -235,15 +235,15 @@ class _Connector:
     def _connect(self, item: ast.Connection, ends: list[Endpoint], values: Values, index: int | None) -> None:
         instances = [end for end in ends if isinstance(end, InstancePort)]
         if len(instances) == len(ends):
-            sorted_ends = _Ends(ports={}, channels={}, instances=instances)
+            target = self._between(item, instances, values, index)
         else:
             sorted_ends = _Ends(
                 ports={end.key: end for end in ends if isinstance(end, ProcessPort)},
                 channels={end.channel.name: end for end in ends if isinstance(end, ChannelPlace)},
                 instances=instances,
             )
-        target = self._target(item, sorted_ends, values, index)
-        for end in sorted_ends.instances:
+            target = self._target(item, sorted_ends, values, index)
+        for end in instances:
             self._attach(end.instance, end.element, target, end.span)
 
     def _target(self, item: ast.Connection, ends: _Ends, values: Values, index: int | None) -> AttachmentShape:
@@ -260,9 +260,19 @@ class _Connector:
         if ends.channels:
             (channel,) = ends.channels.values()
             return OwnChannel(channel.channel.name)
-        if item.sinks and all(isinstance(sink, ast.Discard) for sink in item.sinks):
-            return Discarded()
-        return OwnChannel(self._channel(item, ends.instances, values, index).name)
+        return self._between(item, ends.instances, values, index)
+
+    def _between(
+        self, item: ast.Connection, instances: list[InstancePort], values: Values, index: int | None
+    ) -> AttachmentShape:
+        """What ports of instances are attached to that are connected to each other, or to ``_``."""
+        for sink in item.sinks:
+            if not isinstance(sink, ast.Discard):
+                break
+        else:
+            if item.sinks:
+                return Discarded()
+        return OwnChannel(self._channel(item, instances, values, index).name)
 
     def _at_port(self, item: ast.Connection, place: ProcessPort, values: Values) -> AttachmentShape:
         if not item.sinks and item.label is not None:

@@ -144,7 +144,9 @@ def _wrong_arguments(path: str, entry: Class, arguments: Iterable[tuple[str, obj
 def _wrong_in_process(
     entry: ProcessClass, inside: Mapping[str, Class], exceptions: frozenset[str], passes: Collection[str]
 ) -> Iterator[str]:
-    yield from _repeated("port or channel", [*(port.name for port in entry.ports), *(channel.name for channel in entry.channels)])
+    yield from _repeated(
+        "port or channel", [*(port.name for port in entry.ports), *(channel.name for channel in entry.channels)]
+    )
     yield from _repeated("instance", [instance.name for instance in entry.instances])
     yield from _repeated("parameter", [parameter.name for parameter in entry.parameters])
     yield from _repeated("state or constant", [item.name for item in (*entry.states, *entry.constants)])

@@ -88,7 +88,8 @@ class _Values:
                 self._needs.setdefault((VariableValue, part.target.channel), []).append(part)
         pending = [*self._effects((entry.body, entry.channels))]
         for instance in entry.instances:
-            pending += self._effects(instance.arguments)
+            if instance.arguments:
+                pending += self._effects(instance.arguments)
             for connection in instance.connections:
                 attachment = connection.attachment
                 if isinstance(attachment, ChannelEnd):

@@ -29,7 +29,14 @@ class ChannelEnds:
         return self._net_of.get((path, end.port if end.index is None else f"{end.port}[{end.index}]"))
 
     def reading(
-        self, path: str, end: End, target: int, where: Step | Declared | DeclaredElement, *, owner: str = "", takes: bool = True
+        self,
+        path: str,
+        end: End,
+        target: int,
+        where: Step | Declared | DeclaredElement,
+        *,
+        owner: str = "",
+        takes: bool = True,
     ) -> list[Offer]:
         """What reading waits for; empty if it never waits. ``owner`` is the process that follows samples there."""
         net = self.net(path, end)

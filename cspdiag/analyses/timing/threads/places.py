@@ -74,7 +74,9 @@ class Places:
             return 0
         return stated
 
-    def waiting(self, context: Context, where: Step | Declared | DeclaredElement, offers: list[Offer], following: int) -> int:
+    def waiting(
+        self, context: Context, where: Step | Declared | DeclaredElement, offers: list[Offer], following: int
+    ) -> int:
         """A place that waits for one of ``offers``; ``following`` if it never waits."""
         if not offers:
             return following
