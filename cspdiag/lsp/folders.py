@@ -19,7 +19,7 @@ def importers(file: str, folders: Sequence[str], documents: Documents) -> list[s
     """The names of the files in folders whose programs contain a file, given by its identity; that one included."""
     imported: dict[str, set[str]] = {}
     names: dict[str, str] = {}
-    for name in _programs(folders):
+    for name in programs(folders):
         names[identity(name)] = name
         imported[identity(name)] = set(_imports(name, documents))
     found = {file}
@@ -39,7 +39,8 @@ def _imports(name: str, documents: Documents) -> Iterator[str]:
         yield identity(posixpath.join(posixpath.dirname(name), path))
 
 
-def _programs(folders: Sequence[str]) -> Iterator[str]:
+def programs(folders: Sequence[str]) -> Iterator[str]:
+    """The names of the programs in folders."""
     count = 0
     for folder in folders:
         for place, inside, files in os.walk(folder):

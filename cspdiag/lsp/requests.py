@@ -12,6 +12,7 @@ from pygls.capabilities import ServerCapabilitiesBuilder
 from pygls.exceptions import JsonRpcInvalidParams
 
 from cspdiag.editing.positions import Encoding
+from cspdiag.lsp.documents import identity
 from cspdiag.lsp.features import (
     actions,
     completion,
@@ -26,6 +27,7 @@ from cspdiag.lsp.features import (
     rename,
     signature,
 )
+from cspdiag.lsp.folders import programs
 from cspdiag.lsp.garbage import Garbage
 from cspdiag.lsp.parameters import AssertionParams, DiagramParams, ProgramParams
 from cspdiag.lsp.pictures.process import DrawingError
@@ -106,6 +108,14 @@ def _signature(ls: CspdiagServer, params: types.SignatureHelpParams) -> types.Si
 def _outline(ls: CspdiagServer, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
     view = ls.view(params.text_document.uri)
     return [] if view is None else outline.outline(view, ls.session.positions)
+
+
+@server.feature(types.WORKSPACE_SYMBOL)
+def _symbols(ls: CspdiagServer, params: types.WorkspaceSymbolParams) -> list[types.WorkspaceSymbol]:
+    documents = ls.session.documents
+    opened = [document.source.name for document in documents]
+    names = {identity(name): name for name in (*programs(ls.folders), *opened)}
+    return outline.symbols(params.query, names.values(), documents)
 
 
 @server.feature(types.TEXT_DOCUMENT_DEFINITION)

@@ -1,7 +1,8 @@
-"""The outline of a file: definitions with their ports, parts and values."""
+"""The outline of a file: definitions with their ports, parts and values; and the definitions of many files."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
 from lsprotocol import types
@@ -9,6 +10,7 @@ from lsprotocol import types
 from cspdiag.base.span import SourceFile, Span
 from cspdiag.editing import text_at
 from cspdiag.editing.view import View
+from cspdiag.lsp.documents import Documents
 from cspdiag.lsp.positions import Positions
 from cspdiag.syntax import ast
 from cspdiag.syntax.walk import declarations
@@ -48,6 +50,25 @@ def outline(view: View, positions: Positions) -> list[types.DocumentSymbol]:
             found.append(_Outline(positions).definition(item, outlined.keyword))
         elif outlined.name:
             found.append(_recovered(source, outlined, positions))
+    return found
+
+
+def symbols(query: str, names: Iterable[str], documents: Documents) -> list[types.WorkspaceSymbol]:
+    """The definitions in some files whose names have the letters of ``query``, in this order; what cannot be read
+    has none.
+    """
+    wanted = re.compile(".*".join(map(re.escape, query)), re.IGNORECASE)
+    found: list[types.WorkspaceSymbol] = []
+    for file in names:
+        try:
+            source = documents.read(file)
+        except (OSError, ValueError):
+            continue
+        for outlined in text_at.definitions(source):
+            if outlined.name and wanted.search(outlined.name):
+                name = Span(source, outlined.name_start, outlined.name_start + len(outlined.name))
+                place = types.Location(documents.uri(file), documents.positions.range(name))
+                found.append(types.WorkspaceSymbol(place, outlined.name, _KINDS[outlined.keyword]))
     return found
 
 
