@@ -63,8 +63,8 @@ def programs_of(
     environment that become parameters of the program.
 
     Sizes, the order of integration, and what faults may depend on the latter. So the environment is made for every
-    combination of values: those with equal ones share a program. ``on_planned`` is called after each with the number
-    of combinations that are known, and that of all.
+    combination of values: those with equal ones share a program. ``on_planned`` gets the number of
+    combinations that are known after each, and that of all.
     """
     axes = (*compiled, *varied)
     sizes = tuple(len(grid.axes[at].values) for at in axes)

@@ -45,7 +45,7 @@ class PlanProgress(_Line):
         self._began = time.monotonic()
 
     def planned(self, known: int, total: int) -> None:
-        """The programs of so many combinations are known."""
+        """The programs of ``known`` combinations of ``total`` are known."""
         now = time.monotonic()
         if self._is_due(now):
             self._show(self.line(known, total, now - self._began))
