@@ -40,7 +40,10 @@ const layout = element("layout", HTMLElement);
 const quiet = settled(4000, () => say(message, ""));
 const workspace = new Workspace();
 const engine = new Connection(chosen(), {
-  lost: (reason) => say(status, `The engine is gone: ${reason}.`, true),
+  lost: (reason) => {
+    say(status, `The engine is gone: ${reason}.`, true);
+    session.lost();
+  },
   silent: (silent) => {
     greet(silent);
     session.silent(silent);
@@ -195,7 +198,9 @@ async function check(): Promise<void> {
     run.checked(result);
     proofs.show(result.assertions);
   } catch (problem) {
-    report(inWords(problem));
+    // What was found before is of another program.
+    problems.show([{ severity: "error", code: null, message: inWords(problem), place: null, related: [], fixes: [] }]);
+    editor.mark([]);
   }
   checking = false;
   await check();
@@ -311,7 +316,7 @@ function listen(): void {
   element("format", HTMLButtonElement).addEventListener("click", () => void format());
   element("dialog-close", HTMLButtonElement).addEventListener("click", () => dialog.close());
   window.addEventListener("hashchange", () => {
-    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program, { linked: true })), (problem: unknown) => report(inWords(problem)));
+    void decoded(location.hash).then((program) => (program === undefined ? undefined : open(program, { linked: true })), (problem: unknown) => say(message, inWords(problem)));
   });
   window.addEventListener("keydown", (event) => {
     const acts: Record<string, () => void> = {

@@ -74,6 +74,13 @@ export class Session {
     return this.unanswered ? "server" : performance.now() - (this.arrived ?? Infinity) > PATIENCE ? "process" : undefined;
   }
 
+  /** The engine is gone, and what it ran has ended with it. */
+  lost(): void {
+    if (this.started !== undefined && this.ended === undefined) {
+      this.end({ session: this.session, at: null, reason: "fault", text: "The run has ended, as its engine is gone." });
+    }
+  }
+
   /** The server does not answer for the time being, or answers again. */
   silent(silent: boolean): void {
     this.unanswered = silent;

@@ -1,6 +1,7 @@
 // The page with the engine of this checkout.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
+import { deflateRawSync } from "node:zlib";
 import { REAL, Studio, screenshot, write } from "./page.mjs";
 
 let studio;
@@ -23,6 +24,17 @@ test("JIWY is there at once, with its diagram and the picture of its plant", asy
   await page.getByText("No problems").waitFor();
   await screenshot(page, "jiwy");
   assert.deepEqual(page.complaints, []);
+  await page.close();
+});
+
+test("a program of a link that cannot be read says so in place of the problems of the one before", async () => {
+  const page = await studio.open();
+  const link = (files, main) => `#code=${deflateRawSync(JSON.stringify({ files, main })).toString("base64url")}`;
+  await page.evaluate((hash) => (location.hash = hash), link({ "a.csp": "process A { composition { slip } }" }, "a.csp"));
+  await page.locator("#ui-problems li", { hasText: "slip" }).waitFor();
+  await page.evaluate((hash) => (location.hash = hash), link({ "b.csp": "process \0" }, "b.csp"));
+  await page.locator("#ui-problems li", { hasText: "b.csp has zero bytes" }).waitFor();
+  assert.equal(await page.locator("#ui-problems li").count(), 1);
   await page.close();
 });
 

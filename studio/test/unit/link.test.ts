@@ -28,7 +28,7 @@ test("a link that holds more than a page can show says so", async () => {
 
 test("a damaged link is refused in words", async () => {
   const other = (value: unknown) => `#code=${deflateRawSync(JSON.stringify(value)).toString("base64url")}`;
-  const damaged = ["#code=AAAA", "#code=", other(3), other({ files: { a: 1 }, main: "a" }), other({ files: {}, main: "toString" })];
+  const damaged = ["#code=AAAA", "#code=", "#code=@@@@", "#code=AAAA BBBB", other(3), other({ files: { a: 1 }, main: "a" }), other({ files: {}, main: "toString" })];
   for (const link of damaged) {
     await assert.rejects(decoded(link), /copy the whole link/, link);
   }

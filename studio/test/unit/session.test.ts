@@ -104,3 +104,14 @@ test("a run says which code it is", async () => {
   assert.equal(asked().target, "c");
   assert.equal(session.target, "c");
 });
+
+test("a run whose engine is gone has ended", async () => {
+  const { clock, session } = made();
+  await session.start({ files: {}, main: "" }, {});
+  await session.play(1);
+  session.lost();
+  clock.now = 60_000;
+  assert.equal(session.phase, "ended");
+  assert.equal(session.stalled, undefined);
+  assert.match(session.ended?.text ?? "", /its engine is gone/);
+});
