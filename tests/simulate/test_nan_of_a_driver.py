@@ -41,7 +41,12 @@ C = """
 #include <math.h>
 bool board_open(struct board *self) { self->count = 0; return true; }
 void board_close(struct board *self) { (void)self; }
-bool board_read_level(struct board *self) { self->count++; self->level = self->count == 3 ? NAN : self->count; return true; }
+bool board_read_level(struct board *self)
+{
+    self->count++;
+    self->level = self->count == 3 ? NAN : self->count;
+    return true;
+}
 """
 WANTED = [1.0, 2.0, -1.0, -2.0]
 
