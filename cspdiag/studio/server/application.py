@@ -142,6 +142,11 @@ async def _answer(viewer: Viewer, room: Room, text: str | None) -> None:
         viewer.send({"id": number, "result": await room.answer(viewer, method, params)})
     except RefusedError as refused:
         viewer.send({"id": number, "error": refused.as_data()})
+    except Exception as problem:  # The page must not wait for an answer that never comes.
+        failed = RefusedError(
+            f"cspdiag failed: {type(problem).__name__}: {problem}", "please report it: this is a mistake in cspdiag"
+        )
+        viewer.send({"id": number, "error": failed.as_data()})
     finally:
         viewer.pending -= 1
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, Final
 
-from cspdiag.base.errors import CspdiagError
+from cspdiag.base.errors import CspdiagError, file_error
 
 MOST_BYTES: Final = 256 * 1024 * 1024
 """Of one message of an engine: the recording of a long run."""
@@ -22,6 +22,10 @@ _PATIENCE = 3.0
 
 class EngineGoneError(CspdiagError):
     """The engine has ended before it answered."""
+
+
+class EngineNotStartedError(CspdiagError):
+    """There is no process for the engine; the text says why."""
 
 
 class EngineProcess:
@@ -53,7 +57,7 @@ class EngineProcess:
         return self._process is not None
 
     async def request(self, method: str, params: object) -> dict[str, Any]:
-        """The answer, with ``result`` or ``error``. Raises EngineGoneError."""
+        """The answer, with ``result`` or ``error``. Raises EngineGoneError, and EngineNotStartedError."""
         async with self._starting:
             process = self._process or await self._start()
         self._requests += 1
@@ -71,15 +75,18 @@ class EngineProcess:
             self._waiting.pop(number, None)
 
     async def _start(self) -> Process:
-        process = await asyncio.create_subprocess_exec(
-            *self._command,
-            stdin=PIPE,
-            stdout=PIPE,
-            cwd=self._folder,
-            limit=MOST_BYTES,
-            start_new_session=True,  # What is typed to end the server is not for its engines, which it ends itself.
-            env={**os.environ, **_terminal()},
-        )
+        try:
+            process = await asyncio.create_subprocess_exec(
+                *self._command,
+                stdin=PIPE,
+                stdout=PIPE,
+                cwd=self._folder,
+                limit=MOST_BYTES,
+                start_new_session=True,  # What is typed to end the server is not for its engines, which it ends itself.
+                env={**os.environ, **_terminal()},
+            )
+        except OSError as problem:
+            raise EngineNotStartedError(str(file_error(problem))) from None
         self._process = process
         self._reader = asyncio.create_task(self._read(process))
         return process

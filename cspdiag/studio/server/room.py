@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
 
-from cspdiag.studio.server.engines import EngineGoneError, EngineProcess
+from cspdiag.studio.server.engines import EngineGoneError, EngineNotStartedError, EngineProcess
 from cspdiag.studio.server.refusal import RefusedError
 from cspdiag.studio.server.saved_files import SavedFiles
 from cspdiag.studio.server.viewer import Viewer
@@ -137,6 +137,8 @@ class Room:
             raise RefusedError(
                 "the engine has ended before it answered", help="ask again: another one begins"
             ) from None
+        except EngineNotStartedError as problem:
+            raise RefusedError(f"no process can be started for the engine: {problem}") from None
         if "error" in message:
             error = message["error"]
             raise RefusedError(error.get("message", "unknown"), error.get("help"))

@@ -25,6 +25,25 @@ def test_an_engine_that_ends_is_replaced(tmp_path: Path) -> None:
         assert page.ask("check")["method"] == "check"
 
 
+def test_why_an_engine_cannot_be_started_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def refused(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied", "/usr/bin/python3")
+
+    async def broken(*_: object, **__: object) -> None:
+        raise ValueError("a surprise")
+
+    with Studio(tmp_path) as studio:
+        page = studio.open()
+        with monkeypatch.context() as without:
+            without.setattr("asyncio.create_subprocess_exec", refused)
+            with pytest.raises(RuntimeError, match=r"no process can be started for the engine: .*permission denied"):
+                page.ask("hello")
+            without.setattr("asyncio.create_subprocess_exec", broken)
+            with pytest.raises(RuntimeError, match="cspdiag failed: ValueError: a surprise"):
+                page.ask("hello")
+        assert page.ask("hello")["hand"]
+
+
 def test_the_first_page_controls_and_others_see(tmp_path: Path) -> None:
     with Studio(tmp_path) as studio:
         first, second = studio.open(), studio.open()
