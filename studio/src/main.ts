@@ -225,7 +225,7 @@ async function load(program: Program, { name = "", linked = false }: Origin): Pr
   editor.show(program.main, program.files[program.main] ?? "");
   paintFiles();
   diagram.reset();
-  await run.opened();
+  await run.opened(name === OWN);
 }
 
 async function open(program: Program, origin: Origin): Promise<void> {

@@ -53,6 +53,7 @@ export class RunPanel {
   private readonly hand: Hand;
   private readonly parameters: Parameters;
   private known: ParameterInfo[] = [];
+  private recordings: readonly string[] = [];
   private ranVersion = -1;
   /** Whether this page controls the program. */
   private controls = true;
@@ -95,7 +96,7 @@ export class RunPanel {
     (this.code.options[1] as HTMLOptionElement).disabled = able["native"] !== true;
     this.aboutCode = unable["native"] === undefined ? CODE : `Not as C: ${unable["native"]}`;
     element("speed-real", HTMLOptionElement).hidden = able["real_time"] !== true;
-    this.inputs.hidden = recordings.length === 0;
+    this.recordings = recordings;
     options(this.inputs, [["", "its own inputs"], ...recordings.map((name) => [name, `inputs of ${name}`] as const)]);
   }
 
@@ -122,8 +123,10 @@ export class RunPanel {
     this.preview();
   }
 
-  /** Another program is opened, of which no environment is known until it is checked. */
-  async opened(): Promise<void> {
+  /** Another program is opened, of which no environment is known until it is checked. Recordings are those of the `own` one. */
+  async opened(own: boolean): Promise<void> {
+    this.inputs.value = "";
+    this.inputs.hidden = !own || this.recordings.length === 0;
     this.environment.replaceChildren();
     this.known = [];
     this.parameters.open([]);

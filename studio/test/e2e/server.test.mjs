@@ -17,6 +17,7 @@ let address;
 
 before(async () => {
   cpSync(path.join(MODELS, "buffer/buffer.csp"), file);
+  writeFileSync(path.join(folder, "yesterday.csv"), "time\n");
   server = spawn(PYTHON, ["-m", "cspdiag", "studio", file, "--no-browser"], { stdio: ["ignore", "pipe", "pipe"] });
   address = await new Promise((resolve, reject) => {
     let said = "";
@@ -76,8 +77,10 @@ test("what another editor writes is shown, also in a program that was left for a
   await page.locator(".files button[aria-pressed=true]", { hasText: "watchdog.csp" }).waitFor();
   writeFileSync(file, `// by an editor again\n${before}`);
   await page.getByText("buffer.csp: changed on disk, and now shown as on disk.").waitFor();
+  assert.equal(await page.getByLabel("Inputs", { exact: true }).isVisible(), false);
   await page.getByLabel("Example", { exact: true }).selectOption("/");
   await page.locator(".cm-line", { hasText: "// by an editor again" }).waitFor();
+  await page.getByLabel("Inputs", { exact: true }).selectOption("yesterday.csv");
   await page.close();
 });
 
@@ -92,6 +95,7 @@ assert Hold deadlock free
   const files = { "hold.csp": program, "law.py": law };
   const page = await open(`#code=${deflateRawSync(JSON.stringify({ files, main: "hold.csp" })).toString("base64url")}`);
   await page.getByText("No problems").waitFor();
+  assert.equal(await page.getByLabel("Inputs", { exact: true }).isVisible(), false);
   await page.locator("#ui-run-button").click();
   await page.getByRole("dialog").getByText("law.py:Law").waitFor();
   await page.getByRole("button", { name: "Do not run it" }).click();
