@@ -15,8 +15,8 @@ const RIGHT = 20;
 /** As many names of values as there is room for beside a plot, and characters of each. */
 const MOST_NAMES = 5;
 const MOST_CHARACTERS = 7;
-/** Distances of labels that are whole numbers. */
-const WHOLE = Array.from({ length: 16 }, (_, power) => [1, 2, 5].map((digit) => digit * 10 ** power)).flat();
+/** As many numbers are beside a plot at least, if there are so many in its range. */
+const FEWEST = 3;
 /** Milliseconds between two paintings while the run goes on: a canvas takes longer than all else on the page. */
 const PACE = 30;
 
@@ -136,10 +136,10 @@ export class Plots {
         padding: [6, RIGHT, 0, 0],
         legend: { show: false },
         cursor: { sync: { key: "run" }, drag: { x: false, y: false }, points: { show: false }, y: false },
-        scales: { x: { time: false }, y: { range: names.length === 0 ? (_, low, high) => around(low, high) : around(0, names.length - 1) } },
+        scales: { x: { time: false }, y: { range: names.length === 0 ? (_, low, high) => around(low, high, isWhole(signals[0]?.type ?? "") ? 1 : 0) : around(0, names.length - 1) } },
         axes: [
           { ...axis, font, size: 22, gap: 2, values: (_, splits) => splits.map(instant) },
-          { ...axis, font, size: LEFT, gap: 4, space: 26, ...ticks(signals[0]?.type ?? "", names) },
+          { ...axis, font, size: LEFT, gap: 4, ...ticks(signals[0]?.type ?? "", names) },
         ],
         series: [
           {},
@@ -218,9 +218,34 @@ export function instant(at: number): string {
   return Math.abs(at) < 1e-3 ? short(at) : `${at}`;
 }
 
-/** What is written beside a plot: names, whole numbers, or what suits the range. */
+/** What is written beside a plot: names, or round numbers. */
 export function ticks(type: string, names: readonly string[]): uPlot.Axis {
-  return names.length > 0 ? named(names) : /^u?int/.test(type) ? { incrs: WHOLE } : {};
+  if (names.length > 0) {
+    return named(names);
+  }
+  const least = isWhole(type) ? 1 : 0;
+  return { splits: (_, __, low, high) => round(low, high, least), values: (_, splits) => splits.map(label) };
+}
+
+function isWhole(type: string): boolean {
+  return /^u?int/.test(type);
+}
+
+/** Multiples of 1, 2 or 5 with powers of ten that are in a range, at least `least` apart, and otherwise as far apart as leaves three. */
+export function round(low: number, high: number, least: number): number[] {
+  const power = 10 ** Math.floor(Math.log10(high - low));
+  const steps = [5, 2, 1, 0.5, 0.2, 0.1].map((part) => Math.max(part * power, least));
+  const within = (step: number) => {
+    const [first, last] = [Math.ceil(low / step), Math.floor(high / step)];
+    return Array.from({ length: Math.max(last - first + 1, 0) }, (_, index) => Number(((first + index) * step).toPrecision(12)));
+  };
+  const [widest = []] = steps.map(within).filter((found) => found.length >= FEWEST);
+  return widest.length > 0 ? widest : within(steps.at(-1) ?? 1);
+}
+
+function label(value: number): string {
+  const text = String(value);
+  return text.length <= MOST_CHARACTERS ? text : value.toExponential(1);
 }
 
 /** What is written beside a plot of values that have names. */
@@ -231,11 +256,11 @@ export function named(names: readonly string[]): { splits: () => number[]; value
   return { splits: () => shown, values: (_, splits) => splits.map((index) => cut(names[index] ?? "")) };
 }
 
-/** A range around what there is to see, with some air. */
-export function around(low: number | null, high: number | null): [number, number] {
+/** A range around what there is to see, with some air, at least `least`. */
+export function around(low: number | null, high: number | null, least = 0): [number, number] {
   if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) {
     return [-1, 1];
   }
-  const air = high > low ? (high - low) * 0.08 : Math.max(Math.abs(high) * 0.1, 0.5);
+  const air = Math.max(high > low ? (high - low) * 0.08 : Math.max(Math.abs(high) * 0.1, 0.5), least);
   return [low - air, high + air];
 }

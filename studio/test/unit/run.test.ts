@@ -6,7 +6,7 @@ import { scenes } from "../../src/proofs/film";
 import { axes } from "../../src/run/hand";
 import { bounds, duration } from "../../src/run/parameters";
 import { colourOf, formula, pictureOf } from "../../src/run/plant";
-import { around, groups, instant, named, ticks } from "../../src/run/plots";
+import { around, groups, instant, named, round } from "../../src/run/plots";
 import { text } from "../../src/run/value";
 import { sentence } from "../../src/run/waits";
 
@@ -60,9 +60,18 @@ test("an axis of names shows as many as there is room for", () => {
 });
 
 test("labels of whole numbers are whole", () => {
-  const { incrs } = ticks("int", []);
-  assert.ok(Array.isArray(incrs) && incrs.every(Number.isInteger));
-  assert.deepEqual(ticks("double<V>", []), {});
+  assert.deepEqual(round(...around(3, 3, 1), 1), [2, 3, 4]);
+  assert.deepEqual(round(...around(0, 1, 1), 1), [-1, 0, 1, 2]);
+  assert.deepEqual(round(0, 37, 1), [0, 10, 20, 30]);
+});
+
+test("there are three numbers beside a plot, or a few more", () => {
+  assert.deepEqual(round(-0.68, 0.75, 0), [-0.5, 0, 0.5]);
+  assert.deepEqual(round(...around(0, 100), 0), [0, 50, 100]);
+  for (let high = 0.1; high < 100; high *= 1.01) {
+    const { length } = round(-0.03, high, 0);
+    assert.ok(length >= 3 && length <= 6, `${high}: ${length}`);
+  }
 });
 
 test("instants are short", () => {
