@@ -65,7 +65,12 @@ def test_a_device_that_cannot_be_opened_is_named_and_nothing_is_driven(
     ("wanted", "given", "message"),
     [
         ("double level;", "float level;", "the member `level` of `struct board` has to be `double`, as the port is"),
-        ("bool lamps[2];", "int lamps[2];", "the member `lamps[0]` of `struct board` has to be `bool`, as the port is"),
+        ("bool lamps[2];", "int lamps[2];", "the member `lamps` of `struct board` has to be `bool[2]`, as the port is"),
+        (
+            "bool lamps[2];",
+            "bool lamps[1];",
+            "the member `lamps` of `struct board` has to be `bool[2]`, as the port is",
+        ),
     ],
 )
 def test_a_member_of_another_type_is_refused(

@@ -20,4 +20,10 @@
 #define CSP_REQUIRE_MEMBER(structure, member, type, name, message)                                                     \
     CSP_REQUIRE(CSP_HAS_TYPE(((structure *)0)->member, type), name, message)
 
+/* The same for an array of `count` elements of the type. */
+#define CSP_REQUIRE_ARRAY(structure, member, type, count, name, message)                                               \
+    CSP_REQUIRE(CSP_HAS_TYPE(((structure *)0)->member[0], type) &&                                                     \
+                    (sizeof(((structure *)0)->member) == ((count) * sizeof(type))),                                    \
+                name, message)
+
 #endif

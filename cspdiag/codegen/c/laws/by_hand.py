@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.calls import body_name, law_members
 from cspdiag.codegen.c.laws.external import source_paths
-from cspdiag.codegen.c.text.code import call
+from cspdiag.codegen.c.text.code import call, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
@@ -52,13 +52,18 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
     return {FILE: "\n".join([*rows, ""])}
 
 
-def required_member(header: str, struct: str, member: str, expected: str, where: str) -> list[str]:
-    """The lines that do not compile if a member of a struct in a hand-written ``header``, which may be an element of an
-    array, has another type than its port, which is declared at ``where``.
+def required_member(
+    header: str, struct: str, member: str, expected: str, where: str, size: int | None = None
+) -> list[str]:
+    """The lines that do not compile if a member of a struct in a hand-written ``header`` has another type than its
+    port, which is declared at ``where``; with ``size``, that of the elements of an array of that length.
     """
-    message = f"{header}: the member `{member}` of `struct {struct}` has to be `{expected}`, as the port is ({where})"
-    name = f"{struct}_{member.partition('[')[0]}_must_be_as_its_port"
-    return lines([run(call("CSP_REQUIRE_MEMBER", f"struct {struct}", member, expected, name, quoted(message)))])
+    shown = expected if size is None else f"{expected}[{size}]"
+    message = f"{header}: the member `{member}` of `struct {struct}` has to be `{shown}`, as the port is ({where})"
+    number = () if size is None else (unsigned(size),)
+    macro = "CSP_REQUIRE_MEMBER" if size is None else "CSP_REQUIRE_ARRAY"
+    name = f"{struct}_{member}_must_be_as_its_port"
+    return lines([run(call(macro, f"struct {struct}", member, expected, *number, name, quoted(message)))])
 
 
 def _members(network: Network, names: PackageNames, types: CTypes) -> Iterator[_Member]:

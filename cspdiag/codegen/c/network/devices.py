@@ -59,6 +59,12 @@ class _Connected:
         return int(self.port.partition("[")[2].removesuffix("]")) if "[" in self.port else None
 
     @property
+    def size(self) -> int | None:
+        """The number of ports in the array."""
+        ports = (*self.driver.inputs, *self.driver.outputs)
+        return None if self.index is None else sum(port.startswith(f"{self.name}[") for port in ports)
+
+    @property
     def function(self) -> str:
         """The function of this file that calls that of the driver."""
         verb = "write" if self.external.direction == "out" else "read"
@@ -165,7 +171,6 @@ class Devices:
             header = source_paths(item.driver.external)[1].rpartition("/")[2]
             span = item.driver.external.span
             member, place = self.types.field(item.name), self.names.place(span.file, span.line)
-            shown = member if item.index is None else f"{member}[0]"
-            expected = self.types.type_name(item.external.type)
-            required.update(dict.fromkeys(required_member(header, item.structure, shown, expected, place)))
+            expected, size = self.types.type_name(item.external.type), item.size
+            required.update(dict.fromkeys(required_member(header, item.structure, member, expected, place, size)))
         return required
