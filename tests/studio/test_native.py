@@ -183,6 +183,18 @@ def test_the_page_sees_the_same() -> None:
     assert found[-1]["params"]["reason"] == "until"
 
 
+def test_it_is_said_until_when_processes_wait() -> None:
+    player = Player()
+    seen = []
+    for target in ("python", "c"):
+        session = player.ask("start", **player.model("buffer"), target=target)["session"]
+        player.play(session, 1)
+        seen.append(player.ask("state", session=session))
+        player.ask("stop", session=session)
+    assert seen[0] == seen[1]
+    assert {each["for"] for each in seen[0]["waiting"]} > {"until 5 ms"}
+
+
 def test_a_native_session_is_paused_and_stepped() -> None:
     player = Player()
     started = player.ask("start", **player.model("dining/deadlock"), target="c")

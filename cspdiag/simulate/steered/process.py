@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from select import select
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
+from weakref import finalize
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.runtime.outcome import Outcome
@@ -48,6 +49,7 @@ class SteeredProcess:
         self, program: NativeProgram, until: int, recorder: SteeredRecorder, inputs: RecordedInputs | None
     ) -> None:
         self.orders = Orders()
+        finalize(self, self.orders.close)  # Should it be forgotten before it has ended.
         self.outcome: Outcome | None = None
         self._program = program
         self._recorder = recorder

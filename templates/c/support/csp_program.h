@@ -168,10 +168,10 @@ typedef void csp_report(csp_kernel *csp, const csp_waiting_process *waiting, voi
 void csp_report_waiting(csp_kernel *csp, csp_report *report, void *context);
 
 typedef struct csp_wait_entry {
-    const char *words; /* "to read", "to write", "for a delay to pass", "after", "skip"... */
+    const char *words; /* "to read", "to write", "until", "after", "skip"... */
     bool named;        /* whether it waits at a channel or port: */
     uint32_t channel;  /* its number */
-    int64_t duration;  /* of "after" */
+    int64_t duration;  /* of "after"; the instant of "until" */
     const csp_medium *medium; /* the channel or port, if `named` */
 } csp_wait_entry;
 

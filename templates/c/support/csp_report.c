@@ -138,7 +138,8 @@ bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_en
     case CSP_AT_OUTPUTS:
         return wait_of_offers((const csp_offers *)object, place->waiting == (uint8_t)CSP_AT_INPUTS, index, entry);
     case CSP_AT_DELAY:
-        entry->words = "for a delay to pass";
+        entry->words = "until";
+        entry->duration = ((const csp_timer *)object)->instant;
         return index == 0U;
     case CSP_AT_STOP:
         entry->words = "forever, at stop";
