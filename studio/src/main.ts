@@ -151,8 +151,8 @@ function fix({ edits }: Fix): void {
 
 async function explain(code: string): Promise<void> {
   try {
-    const { markdown: text } = await engine.request("explain", { code });
-    element("dialog-body", HTMLElement).replaceChildren(markdown(text));
+    const { title, markdown: text } = await engine.request("explain", { code });
+    element("dialog-body", HTMLElement).replaceChildren(markdown(`# ${code}: ${title}\n\n${text}`));
     dialog.showModal();
   } catch (problem) {
     report(inWords(problem));

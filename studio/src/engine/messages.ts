@@ -148,13 +148,18 @@ export interface Counterexample {
   final?: unknown;
 }
 
+export interface Suggestion extends Fix {
+  /** A setting of a constant, if it was proved for that only. */
+  proved_with?: string | null;
+}
+
 export interface Answer {
   assertion: string;
   place?: Place | null;
   verdict: string;
   text: string;
   /** Each of them, alone, makes the assertion hold. */
-  suggestions?: Fix[];
+  suggestions?: Suggestion[];
   counterexample?: Counterexample | null;
 }
 
@@ -274,7 +279,7 @@ export interface Requests {
   definition: { params: At; result: Place[] };
   format: { params: { text: string }; result: { text: string } };
   draw: { params: Program & { view: string; of?: string; depth?: number }; result: DrawResult };
-  explain: { params: { code: string }; result: { markdown: string } };
+  explain: { params: { code: string }; result: { title: string; markdown: string } };
   verify: { params: Program & { only?: string }; result: Answer[] };
   timing: { params: Program; result: { text: string } };
   cancel: { params: Record<string, never>; result: unknown };

@@ -53,7 +53,10 @@ export class Generate {
   private async timing(): Promise<void> {
     await this.answer(async () => {
       const { text } = await this.engine.request("timing", this.workspace.sources());
-      return () => (this.listing.textContent = text);
+      return () => {
+        this.listing.textContent = text;
+        this.listing.classList.add("report");
+      };
     });
   }
 
@@ -84,6 +87,7 @@ export class Generate {
 
   private show(files: Record<string, string>): void {
     this.files = files;
+    this.listing.classList.remove("report");
     const names = Object.keys(files).sort();
     this.download.disabled = names.length === 0;
     const buttons = names.map((name) => button(name, () => this.choose(name, buttons), { class: "link" }));

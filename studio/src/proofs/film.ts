@@ -27,6 +27,8 @@ export class Film {
   private index = 0;
   private timer: ReturnType<typeof setInterval> | undefined;
   private title = "";
+  /** Where the keyboard was before. */
+  private before: Element | null = null;
 
   constructor(
     private readonly room: HTMLElement,
@@ -37,6 +39,7 @@ export class Film {
 
   open(title: string, counterexample: Counterexample): void {
     this.close();
+    this.before = document.activeElement;
     this.title = title;
     this.steps = scenes(counterexample);
     this.index = 0;
@@ -48,8 +51,12 @@ export class Film {
   close(): void {
     this.stop();
     if (!this.room.hidden) {
+      const hadFocus = this.room.contains(document.activeElement);
       this.room.hidden = true;
       this.diagram.mark(NOTHING);
+      if (hadFocus && this.before instanceof HTMLElement) {
+        this.before.focus();
+      }
     }
   }
 

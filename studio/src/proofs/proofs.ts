@@ -2,7 +2,7 @@
 
 import type { Diagram } from "../diagram/diagram";
 import { type Engine, inWords } from "../engine/engine";
-import type { Answer, Assertion, Counterexample, Fix, Place } from "../engine/messages";
+import type { Answer, Assertion, Counterexample, Fix, Place, Suggestion } from "../engine/messages";
 import { button, element, h } from "../page/dom";
 import { inline } from "../page/markdown";
 import type { Trust } from "../program/trust";
@@ -10,6 +10,11 @@ import type { Workspace } from "../program/workspace";
 import { Film, scenes } from "./film";
 
 const SIGNS: Record<string, string> = { holds: "✓", fails: "✗", unknown: "?" };
+
+/** That a suggestion was proved for some value of a constant only. */
+function only({ proved_with: setting }: Suggestion): string[] {
+  return setting == null ? [] : [` (proved with ${setting} only)`];
+}
 
 export class Proofs {
   private readonly room = element("assertions", HTMLElement);
@@ -112,7 +117,8 @@ export class Proofs {
         counterexample == null || scenes(counterexample).length === 0
           ? undefined
           : button("Show the counterexample", () => this.play(answer.assertion, counterexample)),
-        ...suggestions.map((each) => button(inline(each.title), () => this.fix(each))),
+        suggestions.length === 0 ? undefined : h("p", { class: "hint" }, suggestions.length === 1 ? "Proved after this change:" : "Proved after one of these changes:"),
+        ...suggestions.map((each) => button([...inline(each.title), ...only(each)], () => this.fix(each))),
       ),
     );
   }

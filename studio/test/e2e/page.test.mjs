@@ -24,6 +24,7 @@ test("a mistake is shown with its help, both ends and what fixes it", async () =
   await page.locator(".cm-lintRange-error").waitFor();
   await page.getByRole("button", { name: "E0204" }).click();
   await page.getByRole("dialog").getByText("not declared").waitFor();
+  await page.getByRole("dialog").getByRole("heading", { name: "E0204: an unknown name" }).waitFor();
   await page.keyboard.press("Escape");
   await problem.getByRole("button", { name: "write left" }).click();
   await page.getByText("No problems").waitFor();
@@ -121,6 +122,8 @@ test("a counterexample is a film, and its suggestion fixes the text", async () =
   assert.match(await page.locator("#ui-film .waits").textContent(), /right waits to read/);
   await screenshot(page, "film");
   await page.keyboard.press("Escape");
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), "Show the counterexample");
+  await page.getByText("Proved after one of these changes:").waitFor();
   await page.getByRole("button", { name: "let left write first" }).waitFor();
   await page.getByRole("button", { name: "let right read first" }).click();
   await page.locator(".cm-line", { hasText: "// fixed" }).waitFor();

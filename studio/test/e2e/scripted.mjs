@@ -75,7 +75,7 @@ const ANSWERS = {
   hover: () => ({ markdown: word("**left** : `A`") }),
   definition: () => [place(1, 2, 6)],
   format: ({ text }) => ({ text: text.replace(/ +:/g, " :") }),
-  explain: ({ code }) => ({ markdown: `# ${code}\n\n${word("A name that is not declared.")}\n\n\`\`\`csp\nprocess X\n\`\`\`\n` }),
+  explain: ({ code }) => ({ title: word("an unknown name"), markdown: `${word("A name that is not declared.")}\n\n\`\`\`csp\nprocess X\n\`\`\`\n` }),
   draw: () => ({
     svg: SVG, of: "Pair", name: "Pair", definitions: ["Pair"],
     elements: [

@@ -137,7 +137,7 @@ def _missing(missing: Sequence[Missing]) -> Iterator[str]:
         yield f"  --> {on_one_line(first.span.source.name)}:{first.span.line}:{first.span.column}"
         yield (
             f"  = help: write it in the head, `{first.kind} {first.definition}(...) wcet 100 us {{`, or give measured "
-            "times with --wcet-from"
+            "times with `cspdiag verify --timing --wcet-from`"
         )
 
 
