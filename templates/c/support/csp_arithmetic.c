@@ -203,7 +203,7 @@ void csp_finite_at(csp_kernel *csp, double value, const char *place)
 
 void csp_finite_fails(csp_kernel *csp, double value, const char *port)
 {
-    note(csp, csp_describe_not_finite, (csp_operands){{0, 0, 0}, value, port});
+    note(csp, (port != NULL) ? csp_describe_not_finite : csp_describe_not_a_number, (csp_operands){{0, 0, 0}, value, port});
 }
 
 void csp_not_written(csp_kernel *csp, const char *variable)

@@ -386,6 +386,7 @@ static inline double csp_real(csp_kernel *csp, double value)
 /* Notes a fault with its place for an infinity or a NaN. */
 void csp_finite_at(csp_kernel *csp, double value, const char *place);
 
+/* `port` is the name of the output of the program, or NULL: an output of a law. */
 void csp_finite_fails(csp_kernel *csp, double value, const char *port);
 
 /* Notes the fault that a variable was read before it was written. */

@@ -156,3 +156,62 @@ environment Bench for Top step 1 ms {
     run = native.simulate(network_of(text, tmp_path), read_source, until=10 * MS, options=("-O0",))
     assert run.outcome.ended == "failed"
     assert "a variable of 4 bytes for values of 8" in str(run.outcome.error)
+
+
+NOT_FINITE = """
+struct Pair { a : double  b : int }
+submodel Law() c "law.c" {
+  in  x : double
+  out y : double
+  out pair : Pair
+}
+process Top {
+  in  x : double @ 10 ms
+  out z : double @ 10 ms
+  communication {
+    law : Law
+    var y : double = 0
+    var pair : Pair = Pair(a = 0, b = 0)
+    x        -> law.x
+    law.y    -> y
+    law.pair -> pair
+  }
+  composition { mu (law ; z ! 1) }
+}
+submodel Plant {
+  in  z : double
+  out x : double
+  x = 1
+}
+environment Bench for Top {
+  plant : Plant
+  z       -> plant.z
+  plant.x -> x
+}
+"""
+CALCULATES = """
+#include "law.h"
+void law_initialize(struct law *self) { law_reset(self); }
+void law_reset(struct law *self) { self->y = 0.0; }
+void law_calculate(struct law *self) { self->MEMBER = (self->x - self->x) / (self->x - self->x); }
+"""
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("member", ["y", "pair.a"])
+def test_a_law_that_calculates_no_number_faults(member: str, level: int, tmp_path: Path) -> None:
+    """Also if only variables take its outputs."""
+    (tmp_path / "law.h").write_text(
+        "#ifndef LAW_H\n#define LAW_H\n"
+        '#include "types.h"\n'
+        "struct law { double x; double y; struct tank_pair pair; };\n"
+        "void law_initialize(struct law *self);\nvoid law_reset(struct law *self);\n"
+        "void law_calculate(struct law *self);\n"
+        "#endif\n"
+    )
+    (tmp_path / "law.c").write_text(CALCULATES.replace("MEMBER", member))
+    network = network_of(NOT_FINITE, tmp_path)
+    run = native.simulate(network, read_source, level=level, until=50 * MS, options=("-O0",))
+    assert run.outcome.ended == "failed"
+    assert str(run.outcome.error) == "a real value is infinite or not a number, in Top.law (tank.csp:3)"

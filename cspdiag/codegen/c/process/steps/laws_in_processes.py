@@ -106,15 +106,24 @@ def call_law(writer: Writer, step: ir.RunInstance, class_: SubmodelClass) -> lis
         end = connection.attachment
         if not isinstance(end, ConstantEnd | DiscardEnd):
             port = _port(connection)
-            writes.append(_Write(writer.members.sink(end), member.field(names[port]), port in tested))
+            finite = port in tested or class_.external is not None
+            writes.append(_Write(writer.members.sink(end), member.field(names[port]), finite))
     outer, writer.inner = writer.inner, step.instance
     law = ir.SkipStep(span=class_.span)  # the place at which -O0 reports the communications of a law
     called = call(f"{struct}_calculate", *kernel_of(law_verbs(class_), "calculate"), address(member))
-    check: list[Statement] = [writer.raise_noted_fault(writer.where(law))] if law_may_fault(class_) else []
-    ran = [run(called), *check]
+    noted = _test_outputs(writer, class_, member, names) if class_.external is not None else []
+    check = [writer.raise_noted_fault(writer.where(law))] if law_may_fault(class_) or noted else []
+    ran = [run(called), *noted, *check]
     statements = [*_read_all(writer, law, step.instance, reads), *ran, *_write_all(writer, law, step.instance, writes)]
     writer.inner = outer
     return [writer.remark(step), *statements]
+
+
+def _test_outputs(writer: Writer, class_: SubmodelClass, member: Code, names: Names) -> list[Statement]:
+    """What notes a fault if a law that is written by hand has calculated a real that is not finite."""
+    ports = (port for port in class_.ports if port.direction == "out")
+    tests = (writer.members.types.finite_check(p.type, member.field(names[p.name]), code("NULL")) for p in ports)
+    return [run(test) for test in tests if test is not None]
 
 
 def _connections_of(class_: SubmodelClass, connections: Sequence[Connection], direction: str) -> Iterator[Connection]:
