@@ -61,7 +61,7 @@ export class Trust {
   private ask(bodies: readonly Body[]): Promise<boolean> {
     this.body.replaceChildren(
       h("h2", { id: "ui-ask-title" }, "Run the code that came by this link?"),
-      h("p", {}, "The program comes from a link, and this part of it is not in the language of the diagrams, so it can do what they do not show:"),
+      h("p", {}, "Besides its diagrams, the program of this link has code and devices that they do not show:"),
       h("ul", {}, ...bodies.map((body) => this.row(body))),
       h("p", {}, this.onMachine ? ON_MACHINE : IN_BROWSER),
     );
