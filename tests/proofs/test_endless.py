@@ -8,13 +8,15 @@ from types import SimpleNamespace
 import pytest
 
 from cspdiag.proofs import verdict
+from cspdiag.proofs.properties import cycles
 from cspdiag.proofs.properties.livelock import livelock_free
 from cspdiag.proofs.properties.termination import terminates
 from cspdiag.proofs.transitions.systems.system import EventKind, System
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.proofs.systems import known
 from tests.proofs.systems.known import Machine, compose, cycle
-from tests.proofs.systems.naive import replay
+from tests.proofs.systems.naive import layers, livelocked, replay
+from tests.proofs.systems.random_networks import FORMS, Form, random_network
 
 
 def chatter(kind: EventKind) -> System:
@@ -74,6 +76,41 @@ def test_a_walk_with_those_that_moved_last_finds_the_cycle_of_a_pipeline_at_once
     verdict = terminates(pipeline, Limits())
     assert isinstance(verdict, Refuted)
     assert len(verdict.trace) + len(verdict.cycle) <= 41
+
+
+def test_a_livelock_of_very_many_components_is_found_in_their_only_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ring after a greeting of two of its members: what repeats is a round of all, and is found without a search."""
+    ring = [Machine("head", {"new": [("greet", "0")], "0": [("pass0", "1")], "1": [("pass9", "0")]})]
+    ring += [cycle(f"cell{at}", f"pass{at}", f"pass{at + 1}") for at in range(8)]
+    ring += [Machine("last", {"new": [("greet", "0")], "0": [("pass8", "1")], "1": [("pass9", "0")]})]
+    system = compose(ring)
+    monkeypatch.setattr(cycles, "MANY", len(ring) - 1)
+    verdict = livelock_free(system, Limits())
+    assert isinstance(verdict, Refuted)
+    assert verdict.method == "rules"
+    assert [str(system.events[move.event]) for move in verdict.trace] == ["greet"]
+    assert sorted(str(system.events[move.event]) for move in verdict.cycle) == [f"pass{at}" for at in range(10)]
+    monkeypatch.setattr(cycles, "MANY", len(ring))
+    verdict = livelock_free(system, Limits())
+    assert isinstance(verdict, Refuted)
+    assert verdict.method == "stubborn"
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_what_the_only_run_says_holds_for_small_networks(form: Form, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cycles, "MANY", 0)
+    by_run = 0
+    for seed in range(60):
+        system = compose_hidden(random_network(seed, form=form, components=4))
+        verdict = livelock_free(system, Limits())
+        reached = [state for layer in layers(system) for state in layer]
+        assert isinstance(verdict, Refuted) == any(livelocked(system, state) for state in reached), seed
+        if isinstance(verdict, Refuted):
+            end = replay(system, verdict.trace)
+            assert livelocked(system, end)
+            assert replay(system, verdict.trace + verdict.cycle) == end
+            by_run += verdict.method == "rules"
+    assert by_run or form not in {"cycles", "tokens"}
 
 
 def compose_hidden(system: System) -> System:

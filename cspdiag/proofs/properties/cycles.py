@@ -1,23 +1,33 @@
 """Runs that continue forever with certain events only: a trace to a cycle of global states.
 
-The loops of the components (``local_loops``) come first, which often exclude such a run; then a short depth-first
-search; then, for large systems, the smallest system that looks the same from outside; then all reachable states. States
-without a successor are removed from these repeatedly, until only cycles and paths to them remain.
+The loops of the components (``local_loops``) come first, which often exclude such a run; then, for very many components
+that make no choice, their only run; then a short depth-first search; then, for large systems, the smallest system that
+looks the same from outside; then all reachable states. States without a successor are removed from these repeatedly,
+until only cycles and paths to them remain.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
+from operator import ne
 from typing import TypeAlias
 
 from cspdiag.proofs.properties.endless import Endless, Finite
 from cspdiag.proofs.reduce.reduction import can_livelock, is_large, seen_from_outside
+from cspdiag.proofs.rules.runs import first_unsteady, moves_of, only_run
 from cspdiag.proofs.search.all_states import has_vectors
 from cspdiag.proofs.search.closed_sets import ClosedSets, Ready
 from cspdiag.proofs.search.local_loops import looping_part
 from cspdiag.proofs.search.traces import causes
+from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Move
+
+MANY = 2000
+"""With more components than this a search keeps few states, because each has an entry for every component."""
+
+_MOST_MOVES = 1_000_000
+"""An only run is not followed further."""
 
 _BRIEF_SEARCH_STATES = 3000
 """The number of states of the short search, at least."""
@@ -39,7 +49,8 @@ def endless_run(system: System, events: Collection[int], limits: Limits) -> Endl
     part = looping_part(system, events)
     if part is None:
         return Finite("rules")
-    found = _brief_search(system, part, limits)
+    found = _in_only_run(system, part, limits) if len(system.components) > MANY else None
+    found = found or _brief_search(system, part, limits)
     if found is not None:
         return found
     if is_large(system) and _is_excluded_outside(system, set(events), limits):
@@ -51,12 +62,55 @@ def endless_run(system: System, events: Collection[int], limits: Limits) -> Endl
     return among_all_states(system, part, limits)
 
 
+def _in_only_run(system: System, part: System, limits: Limits) -> Endless | None:
+    """The cycle of a network of components that make no choice, if it consists of steps of ``part``: all runs are the
+    same up to the order of independent steps, so the search for it has no alternatives to remember.
+    """
+    structure = Structure(system, limits)
+    if first_unsteady(structure) is not None:
+        return None
+    run = only_run(structure, limits, _MOST_MOVES)
+    if run is None or run.period == 0:
+        return None
+    moves = moves_of(structure, run)
+    start = first_repeated(system.initial, moves, run.period)
+    cycle = () if start is None else moves[start : start + run.period]
+    if start is None or not {move.event for move in cycle} <= _events_of(part):
+        return None
+    concerned = {party for move in cycle for party, _ in move.moves}
+    return Endless("rules", causes(moves[:start], concerned), cycle)
+
+
+def first_repeated(initial: Sequence[int], moves: Sequence[Move], period: int) -> int | None:
+    """The number of moves to the first state that is reached again ``period`` moves later; None if there is none."""
+    here, there = list(initial), list(initial)
+    for move in moves[:period]:
+        for party, after in move.moves:
+            there[party] = after
+    differing = sum(map(ne, here, there))
+    start = 0
+    while differing:
+        if start + period == len(moves):
+            return None
+        for state, move in ((here, moves[start]), (there, moves[start + period])):
+            for party, after in move.moves:
+                differing -= here[party] != there[party]
+                state[party] = after
+                differing += here[party] != there[party]
+        start += 1
+    return start
+
+
+def _events_of(part: System) -> set[int]:
+    return {event for component in part.components for edges in component.edges for event, _ in edges}
+
+
 def _brief_search(system: System, part: System, limits: Limits) -> Endless | None:
     """The shorter run of those that two walks find: one along stubborn sets, one in which the components that moved
     last move again.
     """
     sets = ClosedSets(system, limits)
-    allowed = {event for component in part.components for edges in component.edges for event, _ in edges}
+    allowed = _events_of(part)
 
     def stubborn(state: State, ready: Ready, path: _Path) -> list[Successor]:
         return [way for event in sets.smallest(state, ready) for way in sets.moves(state, event)]

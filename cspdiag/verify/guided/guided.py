@@ -33,6 +33,10 @@ MOST_AT_RANDOM = 40
 """The number of runs that follow no script."""
 AT_LEAST = 2_000
 """The number of actions that every run may have, even if others have used up all."""
+FOR_EACH_ENTRY = 4
+"""As many times the entries of a script are also allowed for every run: a round of a large ring has more than
+``AT_LEAST``, and what is repeated has to be run twice until it repeats itself.
+"""
 
 
 class Guided:
@@ -88,7 +92,7 @@ class Guided:
             further,
         )
         best: GuidedRun | None = None
-        for run in self._runs(script, goal):
+        for run in self._runs(script, goal, max(AT_LEAST, FOR_EACH_ENTRY * len(entries))):
             if run.succeeded:
                 return run
             if best is None or (bool(run.happened), run.done) > (bool(best.happened), best.done):
@@ -96,11 +100,11 @@ class Guided:
         assert best is not None
         return best
 
-    def _runs(self, script: Sequence[Passed], goal: Goal) -> Iterator[GuidedRun]:
+    def _runs(self, script: Sequence[Passed], goal: Goal, actions: int) -> Iterator[GuidedRun]:
         """First with the default decisions, then strictly following the script, then with decisions of every kind until
-        one reaches a standstill.
+        one reaches a standstill. Each may have this number of ``actions``.
         """
-        first = self._run(script, goal, Decisions(), strict=False)
+        first = self._run(script, goal, Decisions(), strict=False, actions=actions)
         others = bool(first.happened)
         yield first
         kinds = ((False, False),) if goal.further else ((True, False), (True, True), (False, False))
@@ -109,7 +113,7 @@ class Guided:
             for _ in range(MOST_OF_ONE_KIND):
                 if others and not strict:
                     return
-                run = self._run(script, goal, decisions, strict=strict, late=late)
+                run = self._run(script, goal, decisions, strict=strict, late=late, actions=actions)
                 others = others or bool(run.happened)
                 yield run
                 if self.exhausted or not decisions.advance(run.cut):
@@ -141,11 +145,12 @@ class Guided:
         strict: bool,
         late: bool = False,
         free: bool = False,
+        actions: int = AT_LEAST,
     ) -> GuidedRun:
         self._limits.check()
         decisions.begin()
         lines = Lines()
-        limit = max(AT_LEAST, self._left // 4)
+        limit = max(actions, self._left // 4)
         network = self._built(lines)
         wanted = Script(script)
         world = World(network.ports, lines, wanted, self._defaults, self._on_miss)

@@ -320,3 +320,48 @@ assert Controller refines Quiet hide fast, slow
 @pytest.mark.parametrize(("fast", "slow", "misses"), [("900 us", "4 ms", False), ("1100 us", "4 ms", True)])
 def test_loops_that_are_ready_before_their_next_samples_miss_none(fast: str, slow: str, misses: bool) -> None:
     assert refuted(RATE_MONOTONIC.replace("FIRST", fast).replace("SECOND", slow)) == misses
+
+
+RING = """const size = 20
+
+process Head {
+  in  i : int
+  out o : int
+
+  communication { var x : int = 0 }
+
+  composition { mu (o ! x ; i ? x) }
+}
+
+process Cell {
+  in  i : int
+  out o : int
+
+  communication { var x : int = 0 }
+
+  composition { mu (i ? x ; o ! x) }
+}
+
+process Whole {
+  communication {
+    head       : Head
+    cell[size] : Cell
+
+    head.o -> cell[0].i
+
+    for i < size - 1 { cell[i].o -> cell[i + 1].i }
+
+    cell[size - 1].o -> head.i
+  }
+
+  composition { head || (par i < size : cell[i]) }
+}
+
+assert Whole livelock free
+"""
+
+
+def test_a_round_with_more_steps_than_runs_may_have_otherwise_is_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(guided, "MOST_ACTIONS", 40)
+    monkeypatch.setattr(guided, "AT_LEAST", 10)
+    assert refuted(RING)
