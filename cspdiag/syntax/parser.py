@@ -23,6 +23,9 @@ from cspdiag.syntax.parse.tables import END
 if TYPE_CHECKING:
     from cspdiag.syntax.unexpected.situation import Repair
 
+_ITSELF = (0,)
+"""What is kept by rules whose builder gets their only child."""
+
 _MAX_STATES = 25 * MAX_DEPTH
 """The largest stack, which is more than a text of legal depth needs."""
 
@@ -59,9 +62,18 @@ class Parser:
         self._last_reported = ("", "", 0)
         """Code, message and line of the last mistake: a mistake that is repeated on a line is reported once."""
         builder = DefinitionBuilder(source, report, self.lexer.docs)
+        tables = self.automaton.tables
         self._builders: list[Callable[..., Any] | None] = [
-            getattr(builder, rule.build) if rule.build else None for rule in self.automaton.tables.rules
+            getattr(builder, rule.build) if rule.build else None for rule in tables.rules
         ]
+        # Looked up here once, and not for each token and each rule.
+        self._actions, self._gotos, self._rules, self._levels = (
+            tables.actions,
+            tables.gotos,
+            tables.rules,
+            self.automaton.levels,
+        )
+        self._valued, self._contextual = self.automaton.valued, self.automaton.contextual_keywords
 
     def run(self) -> ast.SourceTree:
         """Read the whole file."""
@@ -85,39 +97,38 @@ class Parser:
         value: Any = None
         if kind == "NAME":
             value = ast.Identifier(span=Span(self.source, lexer.start, lexer.end), text=lexer.text)
-        elif kind in self.automaton.valued:
+        elif kind in self._valued:
             value = Token(Span(self.source, lexer.start, lexer.end), lexer.text)
         self.values.append(value)
         self.starts.append(lexer.start)
         self.depths.append(0)
         self.states.append(state)
         self._end_of_last_token = lexer.end
-        lexer.advance(self.automaton.tables.actions[state])
-        if lexer.kind in self.automaton.contextual_keywords and not self.automaton.accepts(self.states, lexer.kind):
+        lexer.advance(self._actions[state])
+        if lexer.kind in self._contextual and not self.automaton.accepts(self.states, lexer.kind):
             # The row of a state also has terminals that are allowed only in other contexts.
             lexer.kind = "NAME"
         if len(self.states) > _MAX_STATES:
             self._refuse_depth()
 
     def _reduce(self, number: int) -> None:
-        table = self.automaton.tables
-        origin, length, build, kept = table.rules[number]
+        origin, length, build, kept = self._rules[number]
         states = self.states
         if build is None:
             # The rule passes its only child on, so only the state changes.
-            states[-1] = table.gotos[states[-2]][origin]
+            states[-1] = self._gotos[states[-2]][origin]
             return
         children: list[Any] = []
         start, depth = self.lexer.start, 0
         if length == 1:
             children.append(self.values.pop())
             start = self.starts.pop()
-            depth = self.depths.pop() + self.automaton.levels[number]
+            depth = self.depths.pop() + self._levels[number]
             states.pop()
         elif length:
             children = self.values[-length:]
             start = self.starts[-length]
-            depth = max(self.depths[-length:]) + self.automaton.levels[number]
+            depth = max(self.depths[-length:]) + self._levels[number]
             del self.values[-length:], self.starts[-length:], self.depths[-length:], states[-length:]
         builder = self._builders[number]
         if builder is None:
@@ -130,11 +141,11 @@ class Parser:
                 span = Span(self.source, start, end)
             if build in {"parenthesized", "group"} and (depth == 0 or children[1].parenthesized):
                 depth += 1
-            value = builder(span, *_arguments(children, kept))
+            value = builder(span, *(children if length == 1 and kept == _ITSELF else _arguments(children, kept)))
         self.values.append(value)
         self.starts.append(start)
         self.depths.append(depth)
-        states.append(table.gotos[states[-1]][origin])
+        states.append(self._gotos[states[-1]][origin])
         if depth > MAX_DEPTH:
             self._refuse_depth()
 

@@ -47,6 +47,9 @@ def _warn_of_faults(program: Program, report: Report, checks: Checks) -> None:
 
     def evaluate_all(item: ast.Item, found: Report) -> None:
         for part in nodes(item):
+            kind = type(part)
+            if kind not in _AT_RUN_TIME and kind is not ast.Reference:
+                continue  # Most are names.
             for expression in _evaluated_at_run_time(program, part):
                 evaluate(program, expression, {}, found)
                 for inner in nodes(expression) if has_indexes else ():
