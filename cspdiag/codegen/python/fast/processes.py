@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.base.record import kept_for_same, replaced
+from cspdiag.base.record import replaced
 from cspdiag.codegen.options import Options
 from cspdiag.codegen.python.fast.actions import Composition
 from cspdiag.codegen.python.fast.cancellation import checked_classes
@@ -12,13 +12,13 @@ from cspdiag.codegen.python.fast.communications import Communications
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.spelling import Spelling, is_alternated, is_inline
 from cspdiag.codegen.python.fast.statements import assigned
-from cspdiag.codegen.python.fast.storage import rerun_classes
 from cspdiag.codegen.python.fast.temporaries import Temporaries
+from cspdiag.codegen.python.fast.whole_program import classes_of_elements, has_levels, has_parts_by_hand, keeps_state
 from cspdiag.codegen.python.plain.constructors import ConstructorWriter
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import Instances, path
-from cspdiag.codegen.python.plain.members import Array, lines_as_arrays
+from cspdiag.codegen.python.plain.members import Array
 from cspdiag.codegen.python.plain.processes import all_readers
 from cspdiag.codegen.python.text.code import (
     FALSE,
@@ -61,8 +61,7 @@ from cspdiag.codegen.python.text.statements import (
 from cspdiag.codegen.python.text.types import annotation
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.flow.ends import may_end
-from cspdiag.network.ir.actions import ChannelEnd, End, ParallelSteps, PortEnd
-from cspdiag.network.ir.expressions import TunableValue
+from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.ir.external import external_calls
 from cspdiag.network.ir.network import (
     CreatedChoice,
@@ -72,9 +71,7 @@ from cspdiag.network.ir.network import (
     Network,
     Port,
     ProcessClass,
-    SubmodelClass,
 )
-from cspdiag.network.ir.walk import all_actions, parts
 
 _EXTERNAL_CLASSES = {"constant": "Constant", "sampled": "SampledInput", "latched": "SampledOutput"}
 
@@ -84,38 +81,6 @@ def process_module(
 ) -> ClassModule:
     """The module of a process class of an optimized network."""
     return _ProcessWriter(process, network, names, modules, options).module()
-
-
-@kept_for_same(1)
-def has_parts_by_hand(network: Network) -> bool:
-    """Whether the program has processes or laws in Python that communicate themselves."""
-    return any(isinstance(entry, SubmodelClass) or entry.external is not None for entry in network.classes)
-
-
-def keeps_state(process: ProcessClass, network: Network) -> bool:
-    """Whether states and variables are attributes: the process may run more than once, or begin with values that
-    parameters of the program had when it was made.
-    """
-    initial = (process.states, tuple(channel.initial for channel in process.channels))
-    return process.name in rerun_classes(network) or any(isinstance(part, TunableValue) for part in parts(initial))
-
-
-@kept_for_same(1)
-def has_levels(network: Network) -> bool:
-    """Whether the program has prioritized parallels."""
-    bodies = [entry.body for entry in network.classes if isinstance(entry, ProcessClass)]
-    return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in all_actions(body))
-
-
-@kept_for_same(1)
-def classes_of_elements(network: Network) -> frozenset[str]:
-    """The process classes of which an array has instances."""
-    found: set[str] = set()
-    for entry in network.classes:
-        if isinstance(entry, ProcessClass):
-            lines = {name for names in lines_as_arrays(entry).values() for name in names}
-            found |= {item.class_name for item in entry.instances if item.array is not None or item.name in lines}
-    return frozenset(found)
 
 
 class _ProcessWriter(ConstructorWriter):
