@@ -40,7 +40,7 @@ def is_claimed(text: str) -> bool:
     """Whether freedom from deadlock and knots is proved once for all elements."""
     found = obligations(text)
     assert not found.checked.report.has_errors, found.checked.report.diagnostics
-    return any(question.claim == "deadlock free" for question in found.proved)
+    return any(question.claim == "deadlock free" for question in found.answers)
 
 
 def holds_for_each(text: str) -> bool:
@@ -154,7 +154,7 @@ def test_what_is_claimed_holds_for_each_element(
 ) -> None:
     claimed = 0
     for seed in seeds:
-        if obligations(program(seed, SIZE + seed)).proved:
+        if obligations(program(seed, SIZE + seed)).answers:
             assert holds_for_each(program(seed, 12)), program(seed, 12)
             claimed += 1
     assert claimed >= least

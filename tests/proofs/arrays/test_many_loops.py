@@ -173,10 +173,10 @@ def test_sizes_may_be_set(written: str) -> None:
         text = text.replace("process Stage {", "process Stage(gain : int = 1) {").replace("o ! x", "o ! x * gain")
         return pipeline.proof_obligations(SourceFile(name="main.csp", text=text), read_source, settings=settings)
 
-    assert found({"size": "100000"}).proved
-    assert not found({"size": "20"}).proved
+    assert found({"size": "100000"}).answers
+    assert not found({"size": "20"}).answers
     assert len(found({"size": "20"}).networks) == 0
-    assert not found({"size": "400", "stage[399].gain": "2"}).proved
+    assert not found({"size": "400", "stage[399].gain": "2"}).answers
     assert found({"size": "400", "stage[399].gain": "2"}).parameters == {"stage[399].gain": 2}
     refused = found({"size": "0"}).checked.report
     assert refused.has_errors
