@@ -291,6 +291,17 @@ process Main {
 """
 
 
+def test_margins(talk: Talk) -> None:
+    found = talk.ask("margins", **talk.model("jiwy"), environment="Bench")
+    assert "closed loop" in found["text"]
+    assert {loop["stable"] for loop in found["report"]["loops"]} == {True}
+    assert "no environment" in talk.refused("margins", **program("process A {\n  composition { skip }\n}\n"))
+    with without_numpy():
+        refused = Talk().answer("margins", **talk.model("jiwy"))["error"]
+    assert "numpy" in refused["message"]
+    assert "on a machine" in refused["help"]
+
+
 def test_what_an_engine_cannot_discretize_is_marked_and_the_rest_is_drawn() -> None:
     with without_numpy():
         without = Talk()

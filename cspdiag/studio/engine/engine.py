@@ -42,6 +42,7 @@ class Engine:
             "draw": self._draw,
             "verify": self._verify,
             "timing": self._timing,
+            "margins": self._margins,
             "compile": self._compile,
             "run": self._run,
             "start": self._start,
@@ -168,6 +169,11 @@ class Engine:
         from cspdiag.studio.engine.proving import timing
 
         return timing(self._programs.loaded(self._programs.files_of(params)))
+
+    def _margins(self, params: Data) -> Data:
+        from cspdiag.studio.engine.proving import margins
+
+        return margins(self._programs.loaded(self._programs.files_of(params)), params)
 
     def _compile(self, params: Data) -> Data:
         from cspdiag.studio.engine.running import compiled

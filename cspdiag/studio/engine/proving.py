@@ -13,6 +13,7 @@ from cspdiag.proofs.counterexamples.words import headline
 from cspdiag.proofs.verdict import Limits
 from cspdiag.studio.engine.data import Data, diagnostic_data, place_of
 from cspdiag.studio.engine.failure import RequestError
+from cspdiag.studio.engine.running import settings
 from cspdiag.verify.confirm import Verifier
 
 if TYPE_CHECKING:
@@ -146,3 +147,14 @@ def timing(program: LoadedProgram) -> Data:
 
     report = program.timing()
     return {"text": table(report), "rows": as_json(report)["loops"], "report": as_json(report)}
+
+
+def margins(program: LoadedProgram, params: Data) -> Data:
+    """Stability and margins of the loops through the plant of an environment. Raises ProgramError, NoEnvironmentError,
+    NotLinearError, and ModuleNotFoundError without numpy.
+    """
+    from cspdiag.analyses.margins.report.render_json import as_json
+    from cspdiag.analyses.margins.report.render_text import table
+
+    report = program.margins(params.get("environment"), set=settings(params))
+    return {"text": table(report), "report": as_json(report)}

@@ -18,7 +18,7 @@ from cspdiag.studio.server.saved_files import SavedFiles
 from cspdiag.studio.server.viewer import Viewer
 
 QUESTIONS = frozenset({"hello", "check", "complete", "hover", "definition", "format", "draw", "explain"})
-WORK = frozenset({"verify", "timing", "compile", "run"})
+WORK = frozenset({"verify", "timing", "margins", "compile", "run"})
 CONTROL = frozenset({"start", "play", "pause", "step", "input", "tune", "stop"})
 
 PATIENCE_TO_STOP = 3.0

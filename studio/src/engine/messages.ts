@@ -282,6 +282,7 @@ export interface Requests {
   explain: { params: { code: string }; result: { title: string; markdown: string } };
   verify: { params: Program & { only?: string }; result: Answer[] };
   timing: { params: Program; result: { text: string } };
+  margins: { params: Program & { environment?: string | undefined }; result: { text: string } };
   cancel: { params: Record<string, never>; result: unknown };
   take_hand: { params: Record<string, never>; result: unknown };
   save: { params: { file: string; text: string; before: string }; result: unknown };

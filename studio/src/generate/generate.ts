@@ -1,4 +1,4 @@
-/** Generated code to read and to download, and the timing analysis. */
+/** Generated code to read and to download, the timing analysis, and margins. */
 
 import { type Engine, inWords } from "../engine/engine";
 import { button, element, h, options } from "../page/dom";
@@ -6,6 +6,8 @@ import type { Workspace } from "../program/workspace";
 import { archive } from "./archive";
 
 export class Generate {
+  /** That of runs. */
+  private readonly environment = element("environment", HTMLSelectElement);
   private readonly target = element("target", HTMLSelectElement);
   private readonly level = element("level", HTMLSelectElement);
   private readonly download = element("download", HTMLButtonElement);
@@ -24,6 +26,7 @@ export class Generate {
   ) {
     element("generate", HTMLButtonElement).addEventListener("click", () => void this.generate());
     element("timing", HTMLButtonElement).addEventListener("click", () => void this.timing());
+    element("margins", HTMLButtonElement).addEventListener("click", () => void this.margins());
     this.download.addEventListener("click", () => this.save());
   }
 
@@ -50,9 +53,18 @@ export class Generate {
     });
   }
 
-  private async timing(): Promise<void> {
+  private timing(): Promise<void> {
+    return this.report(() => this.engine.request("timing", this.workspace.sources()));
+  }
+
+  private margins(): Promise<void> {
+    const environment = this.environment.value || undefined;
+    return this.report(() => this.engine.request("margins", { ...this.workspace.sources(), environment }));
+  }
+
+  private async report(request: () => Promise<{ text: string }>): Promise<void> {
     await this.answer(async () => {
-      const { text } = await this.engine.request("timing", this.workspace.sources());
+      const { text } = await request();
       return () => {
         this.listing.textContent = text;
         this.listing.classList.add("report");
