@@ -122,7 +122,10 @@ def _report(arguments: Namespace, network: CoreNetwork, measured: MeasuredTimes)
 
     report = timing_report(network, times_of_laws(network, measured.steps), kernel=measured.kernel)
     if measured.steps and not report.measured:
-        raise UsageError(f"--wcet-from {arguments.wcet_from}: none of its names is a law or process of {network.top}")
+        raise UsageError(
+            f"--wcet-from {arguments.wcet_from}: none of its names is a law of {network.top}, a process that "
+            "runs laws, or one that is written by hand"
+        )
     return report
 
 
