@@ -9,10 +9,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from io import BufferedIOBase
 from pathlib import Path
-from tempfile import NamedTemporaryFile
+from tempfile import NamedTemporaryFile, TemporaryFile
 from typing import IO, TYPE_CHECKING, Literal
 
 from cspdiag.base.record import record
+from cspdiag.base.standard_streams import standard_error
 from cspdiag.codegen.c.package.linkage import NAMES, NO_NAMES
 from cspdiag.codegen.c.package.package import support_files
 from cspdiag.codegen.c.package.parts import PARTS
@@ -228,10 +229,11 @@ def started(
     variables: Mapping[str, str],
     monitor: ProgramMonitor,
     given: GivenChanges,
+    errors: IO[bytes],
     descriptors: tuple[int, ...] = (),
-    errors: IO[bytes] | int = subprocess.PIPE,
 ) -> Iterator[tuple[subprocess.Popen[bytes], BufferedIOBase]]:
-    """The program as a process, which inherits ``descriptors``, and what it writes; texts for people go to ``errors``.
+    """The program as a process, which inherits ``descriptors``, and what it writes; texts for people go to ``errors``,
+    a file, because a pipe that nobody reads would become full.
 
     It has a session of its own: Ctrl-C reaches this process, which forwards it once, so outputs are released and
     everything is reported.
@@ -293,7 +295,8 @@ def _run(
     with (
         stopping,
         ProgramMonitor() as monitor,
-        started(program, words, variables, monitor, given) as (running, stream),
+        TemporaryFile() as errors,
+        started(program, words, variables, monitor, given, errors) as (running, stream),
         Supervisor(running) as supervisor,
     ):
         reader = StreamReader(
@@ -306,14 +309,17 @@ def _run(
             with suppress(EOFError):  # It was killed in the middle of a record, and has not reported its end.
                 reader.read()
             supervisor.end_reported()
-            _, error_output = running.communicate()
+            running.wait()
         except BaseException:
             running.kill()
             raise
+        errors.seek(0)
+        text = errors.read().decode("utf-8", "replace")
     outcome = _outcome(run, supervisor, program.environment, program.network)
     if outcome is None:
-        text = (error_output or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
-        raise CompilerError(f"the native program has failed: {text}")
+        raise CompilerError(f"the native program has failed: {text.strip() or f'exit code {running.returncode}'}")
+    if program.board is None:
+        standard_error().write(text)  # Of bodies in C: the program itself writes nothing.
     if program.board is not None:
         outcome.wall_time = monitor.wall_time
     outcome.real_time = program.real_time

@@ -62,11 +62,10 @@ class SteeredProcess:
             monitor = entered.enter_context(ProgramMonitor())
             given = entered.enter_context(given_changes(program.network, (), live=True))
             variables = entered.enter_context(variables_of(inputs))
-            # A file, because a pipe that nobody reads would become full.
             self._errors = entered.enter_context(TemporaryFile())
             self._process, self._stream = entered.enter_context(
                 started(
-                    program, [*words, *given.words], variables, monitor, given, (self.orders.descriptor,), self._errors
+                    program, [*words, *given.words], variables, monitor, given, self._errors, (self.orders.descriptor,)
                 )
             )
             self.orders.program_started()

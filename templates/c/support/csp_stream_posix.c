@@ -8,6 +8,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -17,6 +18,8 @@
 enum { LONGEST_WAIT = 1000 /* milliseconds */ };
 
 csp_unsent_rows csp_rows;
+
+static int output = STDOUT_FILENO;
 
 /* Only the sender, which holds the lock, removes rows from the front; `sent` counts bytes. */
 static size_t sent;
@@ -37,7 +40,7 @@ static void give_up(csp_kernel *csp)
 /* Writes at most `size` bytes of the rows that are not sent. Returns whether to continue: some were written, or another attempt may succeed. */
 static bool send_some(csp_kernel *csp, size_t size)
 {
-    const ssize_t written = CSP_LOAD(lost) ? 0 : write(STDOUT_FILENO, (const unsigned char *)csp_rows.of + sent, size);
+    const ssize_t written = CSP_LOAD(lost) ? 0 : write(output, (const unsigned char *)csp_rows.of + sent, size);
     sent += (written > 0) ? (size_t)written : 0U;
     if ((written < 0) && (errno != EINTR) && (errno != EAGAIN)) {
         give_up(csp);
@@ -76,8 +79,8 @@ void csp_rows_send(csp_kernel *csp)
 
 static bool has_room(int wait)
 {
-    struct pollfd output = {STDOUT_FILENO, POLLOUT, 0};
-    return poll(&output, 1U, wait) > 0;
+    struct pollfd room = {output, POLLOUT, 0};
+    return poll(&room, 1U, wait) > 0;
 }
 
 /* Called by another thread, or in place of the run, which may have been stopped while sending: does not wait, except for the last time. */
@@ -95,8 +98,20 @@ static void attend(bool last)
     (void)pthread_mutex_unlock(&sending);
 }
 
+/* What bodies in C print goes to standard error: it must not get among the rows. */
+static void keep_output(void)
+{
+    const int kept = (output == STDOUT_FILENO) ? dup(STDOUT_FILENO) : -1;
+    if (kept >= 0) {
+        output = kept;
+        (void)dup2(STDERR_FILENO, STDOUT_FILENO);
+        (void)setvbuf(stdout, NULL, _IOLBF, 0U);
+    }
+}
+
 void csp_rows_begin(void)
 {
+    keep_output();
     csp_signals_attend(attend);
 }
 
