@@ -5,6 +5,11 @@ import { button, element, h, options } from "../page/dom";
 import type { Workspace } from "../program/workspace";
 import { archive } from "./archive";
 
+/** A line of a report: rows of its tables stay as they are, sentences are broken where there is no room. */
+function reportLine(line: string): HTMLElement {
+  return h("div", / {2,}\S/.test(line.trim()) ? {} : { class: "sentence" }, line === "" ? " " : line);
+}
+
 export class Generate {
   /** That of runs. */
   private readonly environment = element("environment", HTMLSelectElement);
@@ -65,10 +70,7 @@ export class Generate {
   private async report(request: () => Promise<{ text: string }>): Promise<void> {
     await this.answer(async () => {
       const { text } = await request();
-      return () => {
-        this.listing.textContent = text;
-        this.listing.classList.add("report");
-      };
+      return () => this.listing.replaceChildren(...text.split("\n").map(reportLine));
     });
   }
 
@@ -99,7 +101,6 @@ export class Generate {
 
   private show(files: Record<string, string>): void {
     this.files = files;
-    this.listing.classList.remove("report");
     const names = Object.keys(files).sort();
     this.download.disabled = names.length === 0;
     const buttons = names.map((name) => button(name, () => this.choose(name, buttons), { class: "link" }));
