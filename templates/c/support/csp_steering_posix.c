@@ -19,16 +19,16 @@
 enum { STEPS = 256, TURNS = 16, INTERVAL = 50 };
 
 /* An input that is taken over. */
-typedef struct hand {
-    struct hand *other;
+typedef struct override {
+    struct override *other;
     uint32_t port;
     uint32_t size;
     unsigned char value[];
-} hand;
+} override;
 
 static int64_t orders = -1; /* the descriptor */
-static hand *hands;
-static csp_environment steered;     /* that of the program, with hands */
+static override *overrides;
+static csp_environment steered;     /* that of the program, with overrides */
 static const csp_environment *own;  /* without them */
 static csp_ending state;            /* CSP_MORE: all that is left to do is later; CSP_BUDGET: there is more at this instant */
 
@@ -44,7 +44,7 @@ bool csp_is_steered(void)
 
 /* ---- Orders ---- */
 
-static bool has_come(int wait)
+static bool has_order(int wait)
 {
     struct pollfd source = {(int)orders, POLLIN, 0};
     return poll(&source, 1U, wait) > 0;
@@ -77,7 +77,7 @@ static bool runs(void)
 static void next_order(csp_kernel *csp, csp_order *order)
 {
     const csp_tuning *const tuning = csp->program->tuning;
-    while (!CSP_LOAD(csp->stop_requested) && !has_come(INTERVAL)) {
+    while (!CSP_LOAD(csp->stop_requested) && !has_order(INTERVAL)) {
         if (tuning != NULL) {
             (void)tuning->next();
         }
@@ -91,7 +91,7 @@ static void next_order(csp_kernel *csp, csp_order *order)
 static bool is_to_pause(csp_kernel *csp)
 {
     csp_order order;
-    if (!has_come(0)) {
+    if (!has_order(0)) {
         return false;
     }
     if (!read_all(&order, sizeof order)) {
@@ -100,7 +100,7 @@ static bool is_to_pause(csp_kernel *csp)
     return true;
 }
 
-/* ---- Hands ---- */
+/* ---- Inputs that are taken over ---- */
 
 static void *device_at(csp_kernel *csp, uint32_t number)
 {
@@ -122,8 +122,8 @@ static void *device_at(csp_kernel *csp, uint32_t number)
 
 static void give_back(uint32_t port)
 {
-    for (hand **place = &hands; *place != NULL; place = &(*place)->other) {
-        hand *const found = *place;
+    for (override **place = &overrides; *place != NULL; place = &(*place)->other) {
+        override *const found = *place;
         if (found->port == port) {
             *place = found->other;
             free(found);
@@ -134,7 +134,7 @@ static void give_back(uint32_t port)
 
 static void take(const csp_order *order)
 {
-    hand *const taken = malloc(sizeof *taken + order->size);
+    override *const taken = malloc(sizeof *taken + order->size);
     if ((taken == NULL) || !read_all(taken->value, order->size)) {
         free(taken);
         state = CSP_STOPPED;
@@ -143,16 +143,16 @@ static void take(const csp_order *order)
     give_back(order->number);
     taken->port = order->number;
     taken->size = order->size;
-    taken->other = hands;
-    hands = taken;
+    taken->other = overrides;
+    overrides = taken;
 }
 
-static bool advance_by_hand(csp_kernel *csp, void *of, int64_t now)
+static bool advance_with_overrides(csp_kernel *csp, void *of, int64_t now)
 {
     if ((own->advance != NULL) && !own->advance(csp, of, now)) {
         return false;
     }
-    for (const hand *each = hands; each != NULL; each = each->other) {
+    for (const override *each = overrides; each != NULL; each = each->other) {
         void *const device = device_at(csp, each->port);
         if (device != NULL) {
             (void)memcpy(device, each->value, each->size);
@@ -161,14 +161,14 @@ static bool advance_by_hand(csp_kernel *csp, void *of, int64_t now)
     return true;
 }
 
-static void let_hands_in(csp_kernel *csp)
+static void allow_overrides(csp_kernel *csp)
 {
     static csp_program program; /* handlers may look at it until the process ends */
     program = *csp->program;
     own = program.environment;
     if (own != NULL) {
         steered = *own;
-        steered.advance = advance_by_hand;
+        steered.advance = advance_with_overrides;
         program.environment = &steered;
     }
     csp->program = &program;
@@ -246,7 +246,7 @@ static void follow(csp_kernel *csp, const csp_order *order, int64_t last)
 csp_ending csp_run_steered(csp_kernel *csp, int64_t until)
 {
     const int64_t last = ((until >= 0) && (until < CSP_END_OF_TIME)) ? until : CSP_END_OF_TIME;
-    let_hands_in(csp);
+    allow_overrides(csp);
     csp_own(csp);
     state = csp_begin(csp);
     if (state == CSP_NOT_INITIALIZED) {
