@@ -56,6 +56,19 @@ def test_a_late_loop_is_reported_with_advice(cspdiag: Command, late: Path) -> No
     assert "no order of priorities is known that meets every deadline with these steps" in result.out
 
 
+def test_a_process_that_states_no_time_is_named(cspdiag: Command, tmp_path: Path) -> None:
+    path = tmp_path / "counting.csp"
+    path.write_text(
+        "process Main {\n  in  x : double @ 1 ms\n  out y : double @ 1 ms\n"
+        "  communication { var n : int = 0  var v : double = 0 }\n"
+        "  composition { mu (x ? v ; n := 0 ; (while n < 1000 do n := n + 1) ; y ! v) }\n}\n"
+    )
+    said = "what `Main` computes counts as zero: a process states its time by `wcet`"
+    assert said in cspdiag("verify", "--timing", path).out
+    path.write_text(path.read_text().replace("Main {", "Main wcet 100 us {"))
+    assert "counts as zero" not in cspdiag("verify", "--timing", path).out
+
+
 def test_json_has_all_figures_in_nanoseconds(cspdiag: Command, late: Path) -> None:
     result = cspdiag("verify", "--timing", "--format", "json", late)
     assert result.code == 1

@@ -14,6 +14,7 @@ from cspdiag.base.render.snippet import on_one_line
 from cspdiag.model.constants.durations import rounded
 
 _ROWS_SHOWN = 200
+_NAMES_SHOWN = 5
 
 
 def table(report: TimingReport) -> str:
@@ -105,6 +106,12 @@ def _summary(report: TimingReport) -> Iterator[str]:
             f"`{loop.name}` waits within a sample for {', '.join(f'`{partner}`' for partner in loop.partners)}: their "
             "work is part of it"
         )
+    free = [f"`{loop.name}`" for loop in report.loops if not loop.work]
+    if free:
+        more = f" and {len(free) - _NAMES_SHOWN} more" if len(free) > _NAMES_SHOWN else ""
+        compute = "computes" if len(free) == 1 else "compute"
+        names = f"{', '.join(free[:_NAMES_SHOWN])}{more}"
+        yield f"what {names} {compute} counts as zero: a process states its time by `wcet`"
     if not all(loop.is_met for loop in report.loops):
         yield from _advice(report)
     if report.measured:
