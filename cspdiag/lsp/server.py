@@ -33,6 +33,8 @@ _LONGEST_PAUSE = 0.5
 """Seconds of quiet for which the check of a slow program waits at most."""
 _QUICK = 0.1
 """Seconds of a check from which on it waits for quiet."""
+_BETWEEN_LOOKS = 2.0
+"""Seconds between two looks at the files on the disk of which open programs consist."""
 
 
 class _WithoutOrdinary(logging.Filter):
@@ -91,6 +93,7 @@ class CspdiagServer(LanguageServer):
         self._proofs: dict[tuple[str, str], tuple[View, asyncio.Task[list[Proved]]]] = {}
         """The proofs under way, by the name of the file and the text of the assertion, with their programs."""
         self._timer: asyncio.TimerHandle | None = None
+        self._look_timer: asyncio.TimerHandle | None = None
         self._changed: dict[str, Document] = {}
         """Open documents whose diagnostics are to be computed, by identity."""
         self._published: dict[str, dict[str, list[types.Diagnostic]]] = {}
@@ -108,7 +111,18 @@ class CspdiagServer(LanguageServer):
         if self._timer is not None:
             self._timer.cancel()
         pause = _SOON if self._last_seconds < _QUICK else min(self._last_seconds, _LONGEST_PAUSE)
-        self._timer = asyncio.get_running_loop().call_later(pause, self._publish_changed)
+        loop = asyncio.get_running_loop()
+        self._timer = loop.call_later(pause, self._publish_changed)
+        if self._look_timer is None:
+            self._look_timer = loop.call_later(_BETWEEN_LOOKS, self._look)
+
+    def _look(self) -> None:
+        """Publish what has changed because of files on the disk, and look again later, as long as any file is open."""
+        self._look_timer = None
+        for document in self.session.changed_on_disk():
+            self.changed(document)
+        if self._look_timer is None and any(self.session.documents):
+            self._look_timer = asyncio.get_running_loop().call_later(_BETWEEN_LOOKS, self._look)
 
     def _publish_changed(self) -> None:
         self._timer = None

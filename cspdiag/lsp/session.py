@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.base.diagnostic import Diagnostic
-from cspdiag.base.files.content import digest_of_file
+from cspdiag.base.files.content import Stamp, digest_of_file, stamp_of_file
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.editing.view import View
@@ -38,6 +38,8 @@ class Session:
         """Whether a program has changed whose main file has not, because of an import or a body, since the editor was
         last refreshed.
         """
+        self._stamps: dict[str, Stamp | None] = {}
+        """By name: what distinguished the files of the programs of open documents at the last look at the disk."""
 
     def view(self, document: Document) -> View:
         """The program of which an open document is the main file, as it is now."""
@@ -86,6 +88,24 @@ class Session:
             self._views.pop(document.identity, None)
             self._checks.pop(document.identity, None)
             self._forget()
+
+    def changed_on_disk(self) -> list[Document]:
+        """The open documents whose programs have other files since the last call, without those of which the editor has
+        sent a notification meanwhile: it does so only for the folders that it has open, if at all.
+        """
+        before, self._stamps = self._stamps, {}
+        found = []
+        for document in self.documents:
+            view = self._views.get(document.identity)
+            if view is None:
+                continue
+            stamps = {name: stamp_of_file(name) for name in (*view.texts, *view.bodies)}
+            self._stamps |= stamps
+            is_other = any(name not in before or before[name] != stamp for name, stamp in stamps.items())
+            # A request may have made the program again, of which nothing was published.
+            if is_other and (self.imports_changed or not self._is_present(view)):
+                found.append(document)
+        return found
 
     def _is_present(self, view: View) -> bool:
         """Whether the imported files and the bodies still are as they were, and no other text of a file of the program

@@ -16,6 +16,14 @@ def stamp_of(found: os.stat_result) -> Stamp:
     return found.st_ino, found.st_size, found.st_mtime_ns
 
 
+def stamp_of_file(path: str) -> Stamp | None:
+    """The stamp of the file at a path; None if there is none, or it cannot be looked at."""
+    try:
+        return stamp_of(os.stat(path))
+    except (OSError, ValueError):
+        return None
+
+
 def digest_of_file(path: str) -> str | None:
     """The same for the same content; None if there is none, or it cannot be read. A file is read again only if its
     identity, size or time of change is another one.

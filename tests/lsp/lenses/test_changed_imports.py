@@ -150,3 +150,40 @@ async def test_what_is_shown_in_a_file_is_asked_for_again_when_an_import_changes
     assert client.refreshed == {"lenses", "tokens"}
     for each in (laws, main):
         await each.close()
+
+
+async def test_changes_on_the_disk_that_the_editor_does_not_tell_of_are_noticed(client: Client, tmp_path: Path) -> None:
+    """An editor watches only the folders that it has open."""
+    (tmp_path / "laws.csp").write_text(LAWS)
+    main = Editor(client, tmp_path)
+    assert await main.open("main.csp", MAIN) == []
+    client.refreshed.clear()
+    (tmp_path / "laws.csp").rename(tmp_path / "away.csp")
+    assert "E0120" in [each.code for each in await main.diagnostics_of("main.csp", 1)]
+    await main.answer("lenses")
+    assert "lenses" in client.refreshed
+    (tmp_path / "away.csp").rename(tmp_path / "laws.csp")
+    assert await main.diagnostics_of("main.csp", 1) == []
+    await main.close()
+
+
+async def test_changes_on_the_disk_are_found_once(tmp_path: Path) -> None:
+    session, uri, laws = Session(), (tmp_path / "main.csp").as_uri(), tmp_path / "laws.csp"
+    laws.write_text(LAWS)
+    document = session.documents.open(uri, MAIN, 1)
+    session.diagnostics(document)
+    assert session.changed_on_disk() == []
+    laws.write_text(LAWS + "// Longer.\n")
+    assert session.changed_on_disk() == [document]
+    session.diagnostics(document)
+    session.imports_changed = False
+    assert session.changed_on_disk() == []
+    laws.write_text(LAWS)
+    # A request of the editor sees the change first.
+    assert session.view(document).files[str(laws)] == LAWS
+    assert session.changed_on_disk() == [document]
+    laws.write_text(LAWS + "// Longer.\n")
+    # The editor has sent a notification, and the server has published what it found.
+    session.diagnostics(document)
+    session.imports_changed = False
+    assert session.changed_on_disk() == []
