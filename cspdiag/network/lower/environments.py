@@ -41,13 +41,13 @@ def check(program: Program, definition: ast.EnvironmentDefinition, report: Repor
     own = Report()
     values = _process_values(program, process, definition, own, {})
     drawn = wiring(program, definition, values, own)
-    doubtful = own.has_errors or any(item in program.poisoned for item in _references(definition))
+    doubtful = own.has_errors or any(item in program.poisoned for item in nodes(*definition.declarations))
     step = _step(program, definition, (), own)
     _miss_policy(definition, own)
     if not doubtful:
-        # A reference with an error may be what seems to be missing.
+        # A reference with an error, or an element of an array whose size is not known, may be what seems to be missing.
         _refuse_gaps(program, definition, process, drawn, values, own)
-    if not own.has_errors:
+    if not (doubtful or own.has_errors):
         is_known = len(values) == len(process.parameters)
         draft = Draft(owner=definition.name.span, sample=step, arguments={}, concrete=is_known, closed=True)
         _assemble(program, draft, drawn, _open_ports(program, process, values, own), own)
@@ -192,10 +192,6 @@ def _refuse_gaps(
         ]
         if unconnected:
             report.add(UnconnectedInputs(member.declaration.name.span, member.name, tuple(unconnected)))
-
-
-def _references(definition: ast.EnvironmentDefinition) -> list[ast.Node]:
-    return [item for item in nodes(*definition.declarations) if isinstance(item, ast.Reference | ast.Instance)]
 
 
 def _argument_values(
