@@ -21,7 +21,7 @@ MOST_STEPS = 200
 
 
 def steps_shown(program: Program, found: Counterexample, network: CoreNetwork | None) -> list[dict[str, Any]]:
-    """The steps that diagrams show, and the end, as objects of JSON.
+    """The steps that diagrams show, those that repeat forever after them, and the end, as objects of JSON.
 
     Each has a ``text``, the ``process`` in whose diagrams it happens, and the keys of the elements of both diagrams
     that are ``communicating`` or ``waiting``.
@@ -29,7 +29,7 @@ def steps_shown(program: Program, found: Counterexample, network: CoreNetwork | 
     deadlock = deadlock_shown_by(found, network)
     waiting = () if deadlock is None else (*deadlock.cycle, *deadlock.besides)
     shown = _Shown(program, found, waiting, network)
-    return [*shown.communications(), *shown.end()]
+    return [*shown.communications(), *shown.silent_round(), *shown.end()]
 
 
 class _Shown:
@@ -47,11 +47,12 @@ class _Shown:
     def communications(self) -> Iterator[dict[str, Any]]:
         """The steps that are shown; a process waits to the end from the step on that follows its last one."""
         top = self._found.process
-        last = {
-            party.path: number for number, step in enumerate(self._found.steps) for party in _parties(step, top, ())
-        }
-        shown = [(number, step) for number, step in enumerate(self._found.steps) if step.shown]
-        for number, step in shown[:MOST_STEPS]:
+        steps = (*self._found.steps, *self._found.cycle)
+        repeats_from = len(self._found.steps)
+        last = {party.path: number for number, step in enumerate(steps) for party in _parties(step, top, ())}
+        shown = [(number, step) for number, step in enumerate(steps) if step.shown]
+        once = [entry for entry in shown if entry[0] < repeats_from]
+        for number, step in (*once[:MOST_STEPS], *shown[len(once) :][:MOST_STEPS]):
             parties = _parties(step, top, (step.channel,) if step.channel else ())
             place = surroundings(self._program, top, parties, self._declared) if parties else None
             if place is None:
@@ -63,12 +64,27 @@ class _Shown:
             communicating = [*marks, *self._composed(diagram.key, path, parties)]
             waiting = [*beside, *self._composed(diagram.key, path, already)]
             alone = f" of {step.parties[0].name}" if len(step.parties) == 1 else ""
+            repeated = ", again and again" if number >= repeats_from else ""
             yield {
                 "process": diagram.key,
-                "text": f"{event_text(step, top)}{alone}",
+                "text": f"{event_text(step, top)}{alone}{repeated}",
                 "communicating": communicating,
                 "waiting": [key for key in waiting if key not in communicating],
             }
+
+    def silent_round(self) -> Iterator[dict[str, Any]]:
+        """What repeats forever, if none of it is shown: who takes part."""
+        cycle, top = self._found.cycle, self._found.process
+        if any(step.shown for step in cycle):
+            return
+        parties = list({party.path: party for step in cycle for party in _parties(step, top, ())}.values())
+        place = surroundings(self._program, top, parties, self._declared) if parties else None
+        if place is not None:
+            diagram, marks = place
+            who = ", ".join(each.path.partition(".")[2] or each.path for each in parties)
+            keys = [*marks, *self._composed(diagram.key, path_around(parties), parties)]
+            text = f"{who}, again and again, without a communication or a delay"
+            yield {"process": diagram.key, "text": text, "communicating": keys, "waiting": []}
 
     def end(self) -> Iterator[dict[str, Any]]:
         """Which processes wait, if any do."""

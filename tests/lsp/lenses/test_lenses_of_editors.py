@@ -210,3 +210,53 @@ def test_the_prover_ends_when_the_server_is_killed() -> None:
             server.kill()
             # Only the prover has the other end now.
             assert working.read() == b""
+
+
+SPINNING = """process Give { out to : int in back : int
+  communication { var b : int } composition { BEFOREmu (to ! 1 ; back ? b) } }
+process Take { in from : int out back : int communication { var f : int } composition { mu (from ? f ; back ! f) } }
+process Spin {
+  communication {
+    give : Give
+    take : Take
+    give.to -> take.from
+    take.back -> give.back
+  }
+  composition { give || take }
+}
+assert Spin livelock free
+"""
+
+
+@pytest.mark.asyncio
+@pytest.mark.parametrize("before", [[], ["give.to 5", "take.back 5"]])
+async def test_the_steps_to_a_livelock_end_with_the_loop(tmp_path: Path, before: list[str]) -> None:
+    text = SPINNING.replace("BEFORE", "to ! 5 ; back ? b ; " if before else "")
+    session, uri = Session(), (tmp_path / "spin.csp").as_uri()
+    view = session.view(session.documents.open(uri, text, 1))
+    (answer,) = await prove(view.main, {}, text.index("assert"))
+    assert [each["text"] for each in answer.steps] == [
+        *before,
+        "give.to 1, again and again",
+        "take.back 1, again and again",
+    ]
+    assert {"give", "take", "give.to -> take.from"} <= set(answer.steps[-2]["communicating"])
+    assert {"give", "take", "take.back -> give.back"} <= set(answer.steps[-1]["communicating"])
+
+
+@pytest.mark.asyncio
+async def test_a_loop_without_communications_is_one_step(tmp_path: Path) -> None:
+    text = """process Busy {
+  communication { var n : int = 0 }
+  composition { mu (skip -> skip [] skip -> n := 1) until n == 1 }
+}
+process Main { communication { busy : Busy } composition { busy } }
+assert Main livelock free
+"""
+    session, uri = Session(), (tmp_path / "busy.csp").as_uri()
+    view = session.view(session.documents.open(uri, text, 1))
+    (answer,) = await prove(view.main, {}, text.index("assert"))
+    assert [(each["process"], each["text"]) for each in answer.steps] == [
+        ("Main", "busy, again and again, without a communication or a delay")
+    ]
+    assert "busy" in answer.steps[0]["communicating"]
