@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 from cspdiag.proofs.refine.labels import Label, words
 
@@ -35,5 +35,30 @@ def _allows(labels: Collection[Label]) -> str:
 
 
 def _list(labels: Collection[Label]) -> str:
-    *rest, last = sorted(map(words, labels))
+    *rest, last = sorted(map(words, _any_number(labels)))
     return f"{', '.join(rest)} and {last}" if rest else last
+
+
+def _any_number(labels: Collection[Label]) -> set[Label]:
+    """The labels, those of a port together that has one for all whole numbers of its type: ``..-1``, ``0`` and ``1..``
+    are any number.
+    """
+    found = set(labels)
+    for port in {port for port, value in labels if value is not None and value.startswith("..")}:
+        own = {(name, value) for name, value in found if name == port and value is not None}
+        if _are_all_numbers([value for _, value in own if value is not None]):
+            found = found - own | {(port, None)}
+    return found
+
+
+def _are_all_numbers(values: Sequence[str]) -> bool:
+    """Whether the texts of numbers and of ranges leave none out."""
+    limits = []
+    for value in values:
+        low, between, high = value.partition("..")
+        try:
+            limits.append((int(low) if low else None, int(high if between else low) if high or not between else None))
+        except ValueError:
+            return False  # The value of an enum, or one that is only passed on.
+    lows = {low for low, _ in limits}
+    return None in lows and all(high is None or high + 1 in lows for _, high in limits)
