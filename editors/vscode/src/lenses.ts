@@ -32,7 +32,7 @@ export function outcome({ errors, signal }: Printed, environment: string, time: 
   if (signal !== null) {
     return `ended by ${signal}`;
   }
-  const line = reasonIn(lines).replaceAll(folder.endsWith(sep) ? folder : folder + sep, "");
+  const line = without(folder, reasonIn(lines));
   const isTime = [`\`${time}\` is not a time`, `a run cannot last ${time}`].some((each) => line.includes(each));
   return isTime ? `The setting cspdiag.run.for: ${line}` : line;
 }
@@ -55,6 +55,16 @@ function reasonIn(lines: readonly string[]): string {
 /** The last thing that the command could not do, such as writing a figure. */
 export function lastComplaint(lines: readonly string[]): string | undefined {
   return lines.findLast((line) => line.startsWith("cspdiag: "))?.replace(/^cspdiag: /, "");
+}
+
+/** What is shown beside the button that cancels a run, of lines that it has printed; undefined if nothing is. */
+export function complaintDuring(lines: readonly string[], folder: string): string | undefined {
+  const line = lastComplaint(lines);
+  return line === undefined ? undefined : without(folder, line).replace("Ctrl-C ends", "Cancel ends");
+}
+
+function without(folder: string, line: string): string {
+  return line.replaceAll(folder.endsWith(sep) ? folder : folder + sep, "");
 }
 
 /** What a run of a program said. */

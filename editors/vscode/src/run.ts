@@ -6,7 +6,8 @@ import * as path from "node:path";
 import * as vscode from "vscode";
 import type { Figures } from "./figures";
 import type { Printed, Result } from "./lenses";
-import { brief, lastComplaint, outcome, RUNNING, titleOf } from "./lenses";
+import { brief, complaintDuring, lastComplaint, outcome, RUNNING, titleOf } from "./lenses";
+import { Lines } from "./lines";
 import { Newest } from "./newest";
 import { reasonOf } from "./reason";
 import { textOf } from "./settings";
@@ -23,10 +24,9 @@ interface Program {
   fingerprint: string;
 }
 
-/** How a run ended: whether it was stopped here, and what it printed, of which the errors are a part. */
+/** How a run ended: whether it was stopped here, and the errors that it printed. */
 interface Ended extends Printed {
   stopped: boolean;
-  output: string;
 }
 
 export class Runs implements vscode.Disposable {
@@ -91,16 +91,22 @@ export class Runs implements vscode.Disposable {
     const key = `${uri.toString()} ${environment}`;
     const begun = this.underWay.begin(key);
     this.keep(uri, environment, { program: program.fingerprint, outcome: RUNNING });
+    this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}`);
     const ended = await vscode.window.withProgress(
       { location: vscode.ProgressLocation.Notification, title: `Running ${environment}`, cancellable: true },
-      (_, token) => {
+      (progress, token) => {
         token.onCancellationRequested(() => {
           begun.abort();
         });
-        return execute(cspdiag.command, args, folder, begun.signal);
+        return execute(cspdiag.command, args, folder, begun.signal, (lines) => {
+          this.show(lines);
+          const message = complaintDuring(lines, folder);
+          if (message !== undefined) {
+            progress.report({ message });
+          }
+        });
       },
     );
-    this.output.info(`cspdiag run ${uri.fsPath} --environment ${environment}\n${ended.output.trim()}`);
     if (!this.underWay.end(key, begun)) {
       return;
     }
@@ -115,6 +121,14 @@ export class Runs implements vscode.Disposable {
       await vscode.commands.executeCommand("vscode.open", vscode.Uri.file(figure), beside);
     } else if (!ended.stopped) {
       await this.without(environment, lastComplaint(ended.errors.split("\n")) ?? said);
+    }
+  }
+
+  /** Writes lines of a run to the output, without blank ones around them. */
+  private show(lines: readonly string[]): void {
+    const text = lines.join("\n").replace(/^\n+/, "").trimEnd();
+    if (text !== "") {
+      this.output.info(text);
     }
   }
 
@@ -155,22 +169,28 @@ async function save(files: readonly string[]): Promise<vscode.Uri | undefined> {
   return undefined;
 }
 
-function execute(command: string, args: string[], cwd: string, stop: AbortSignal): Promise<Ended> {
+/** Runs a command; `said` is called with the lines that it prints, as soon as they are whole. */
+function execute(command: string, args: string[], cwd: string, stop: AbortSignal, said: (lines: string[]) => void): Promise<Ended> {
   return new Promise((resolve) => {
     const child = spawn(command, args, { cwd, stdio: ["ignore", "pipe", "pipe"] });
-    let [output, errors] = ["", ""];
-    child.stdout.setEncoding("utf8").on("data", (text: string) => (output += text));
+    let errors = "";
+    const [output, complaints] = [new Lines(), new Lines()];
+    child.stdout.setEncoding("utf8").on("data", (text: string) => {
+      said(output.take(text));
+    });
     child.stderr.setEncoding("utf8").on("data", (text: string) => {
-      output += text;
       errors += text;
+      said(complaints.take(text));
     });
     stop.addEventListener("abort", () => child.kill("SIGINT"));
     child.on("error", (problem) => {
-      const said = `cspdiag could not be started: ${reasonOf(problem)}`;
-      resolve({ stopped: false, output: said, errors: said, signal: null });
+      const reason = `cspdiag could not be started: ${reasonOf(problem)}`;
+      said([reason]);
+      resolve({ stopped: false, errors: reason, signal: null });
     });
     child.on("close", (_, signal) => {
-      resolve({ stopped: stop.aborted, output, errors, signal });
+      said([...output.end(), ...complaints.end()]);
+      resolve({ stopped: stop.aborted, errors, signal });
     });
   });
 }

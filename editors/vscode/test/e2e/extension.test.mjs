@@ -37,6 +37,22 @@ process Counter { communication { var n : int = 0 } composition { mu (n := n + 1
 environment Bench for Counter { }
 `;
 
+/** Time stands still in it. */
+const SPIN = `process Give { out to : int in back : int
+  communication { var b : int } composition { mu (to ! 1 ; back ? b) } }
+process Take { in from : int out back : int communication { var f : int } composition { mu (from ? f ; back ! f) } }
+process Spin {
+  communication {
+    give : Give
+    take : Take
+    give.to -> take.from
+    take.back -> give.back
+  }
+  composition { give || take }
+}
+environment Floor for Spin { }
+`;
+
 /** Waits all the time. */
 const IDLE = `process Idle { composition { mu (wait 100 ms) } }
 environment Room for Idle { }
@@ -83,7 +99,7 @@ function step(name, act) {
 
 before(async () => {
   const jiwy = (name) => ({ copy: path.join(MODELS, "jiwy", name) });
-  const files = { "slip.csp": SLIP, "half.csp": HALF, "only.csp": HALF.slice(HALF.indexOf("process Bad")), "crossed.csp": CROSSED, "many.csp": MANY, "fault.csp": FAULT, "count.csp": COUNT, "used.csp": "const unused = 1\n", "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
+  const files = { "slip.csp": SLIP, "half.csp": HALF, "only.csp": HALF.slice(HALF.indexOf("process Bad")), "crossed.csp": CROSSED, "many.csp": MANY, "fault.csp": FAULT, "count.csp": COUNT, "spin.csp": SPIN, "used.csp": "const unused = 1\n", "wrong.csp": FAULT.replace("z ;", "w ;"), "slow.csp": SLOW, "large.csp": `const a = 1 // ${"x".repeat(99)}\n`.repeat(90_000), "latin.csp": Buffer.from("// caf\xe9\n", "latin1") };
   const task = { label: "say", type: "shell", command: "cat said.txt", problemMatcher: ["$cspdiag", "$cspdiag-absolute"], presentation: { reveal: "never" }, group: { kind: "build", isDefault: true } };
   files[".vscode/tasks.json"] = JSON.stringify({ version: "2.0.0", tasks: [task] });
   for (const name of ["jiwy.csp", "laws.csp", "plant.csp"]) files[name] = jiwy(name);
@@ -352,6 +368,20 @@ step("the result of a run says that the text was changed while it ran", async ()
   await editor.page.keyboard.press("Control+z");
   await editor.open("count.csp", 3);
   await current.waitFor();
+});
+
+step("what a run complains of is shown while it runs", async () => {
+  await editor.open("spin.csp", 13);
+  await editor.page.locator(".codelens-decoration a", { hasText: "Run" }).first().click();
+  const running = await editor.notification("Running Floor");
+  await running.locator(".notification-list-item-message", { hasText: "simulated time stands still at 0 s" }).waitFor();
+  await editor.screenshot("standstill");
+  await editor.page.locator(".codelens-decoration a", { hasText: "running…" }).click();
+  await editor.page.locator(".panel .view-line", { hasText: "simulated time stands still" }).first().waitFor();
+  await editor.command("View: Toggle Panel Visibility");
+  await editor.page.locator(".part.panel").waitFor({ state: "hidden" });
+  await running.locator("a.monaco-button", { hasText: "Cancel" }).click();
+  await editor.page.locator(".codelens-decoration", { hasText: "stopped" }).waitFor();
 });
 
 step("a counterexample is stepped through in the diagram", async () => {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { brief, lastComplaint, outcome, titleOf } from "../../src/lenses";
+import { brief, complaintDuring, lastComplaint, outcome, titleOf } from "../../src/lenses";
 
 const FOLDER = "/home/me/my kiln";
 
@@ -53,4 +53,10 @@ test("the result of a run above a program that was not run says so", () => {
   const result = { program: "a1", outcome: "deadlock at 0 s" };
   assert.equal(titleOf(result, "a1"), "deadlock at 0 s");
   assert.equal(titleOf(result, "b2"), "before the change: deadlock at 0 s");
+});
+
+test("what a command complains of while it runs is shown beside the button that cancels it", () => {
+  const still = "cspdiag: simulated time stands still at 0 s; at work: `n := 1` (/home/me/my kiln/kiln.csp:2): Ctrl-C ends the run, and verify shows it";
+  assert.equal(complaintDuring([still], FOLDER), "simulated time stands still at 0 s; at work: `n := 1` (kiln.csp:2): Cancel ends the run, and verify shows it");
+  assert.equal(complaintDuring(["warning[W0616]: `stop` comes when it becomes true", " --> crane.csp:3:4"], FOLDER), undefined);
 });
