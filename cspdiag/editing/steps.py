@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from cspdiag.draw.deadlock.marks import StuckProcess, marks_beside, path_around, surroundings
+from cspdiag.draw.deadlock.marks import StuckProcess, definition_at, marks_beside, path_around, surroundings
 from cspdiag.draw.deadlock.steps import steps_beside
 from cspdiag.draw.elements.composition import CompositionDiagram
 from cspdiag.draw.elements.read_composition import composition_diagram
@@ -54,22 +54,18 @@ class _Shown:
         once = [entry for entry in shown if entry[0] < repeats_from]
         for number, step in (*once[:MOST_STEPS], *shown[len(once) :][:MOST_STEPS]):
             parties = _parties(step, top, (step.channel,) if step.channel else ())
-            place = surroundings(self._program, top, parties, self._declared) if parties else None
+            already = [each for each in self._waiting if last.get(each.path, -1) < number]
+            place = self._place(parties, already)
             if place is None:
                 continue
-            diagram, marks = place
-            already = [each for each in self._waiting if last.get(each.path, -1) < number]
-            beside = marks_beside(diagram, parties, already, self._declared)
-            path = path_around(parties)
-            communicating = [*marks, *self._composed(diagram.key, path, parties)]
-            waiting = [*beside, *self._composed(diagram.key, path, already)]
+            process, communicating, waiting = place
             alone = f" of {step.parties[0].name}" if len(step.parties) == 1 else ""
             repeated = ", again and again" if number >= repeats_from else ""
             yield {
-                "process": diagram.key,
+                "process": process,
                 "text": f"{event_text(step, top)}{alone}{repeated}",
                 "communicating": communicating,
-                "waiting": [key for key in waiting if key not in communicating],
+                "waiting": waiting,
             }
 
     def silent_round(self) -> Iterator[dict[str, Any]]:
@@ -78,23 +74,42 @@ class _Shown:
         if any(step.shown for step in cycle):
             return
         parties = list({party.path: party for step in cycle for party in _parties(step, top, ())}.values())
-        place = surroundings(self._program, top, parties, self._declared) if parties else None
+        place = self._place(parties)
         if place is not None:
-            diagram, marks = place
+            process, keys, _ = place
             who = ", ".join(each.path.partition(".")[2] or each.path for each in parties)
-            keys = [*marks, *self._composed(diagram.key, path_around(parties), parties)]
             text = f"{who}, again and again, without a communication or a delay"
-            yield {"process": diagram.key, "text": text, "communicating": keys, "waiting": []}
+            yield {"process": process, "text": text, "communicating": keys, "waiting": []}
 
     def end(self) -> Iterator[dict[str, Any]]:
-        """Which processes wait, if any do."""
+        """Which processes wait, if any do, or what a specification does not allow."""
         waiting = self._waiting
-        place = surroundings(self._program, self._found.process, waiting, self._declared) if waiting else None
+        place = self._place(waiting)
         if place is not None:
-            diagram, marks = place
+            process, keys, _ = place
             words = "; ".join(f"{each.path.partition('.')[2] or each.path} waits {each.words}" for each in waiting)
-            keys = [*marks, *self._composed(diagram.key, path_around(waiting), waiting)]
-            yield {"process": diagram.key, "text": words, "communicating": [], "waiting": keys}
+            yield {"process": process, "text": words, "communicating": [], "waiting": keys}
+        elif self._found.failure == "refinement" and self._found.reason:
+            yield {"process": self._found.process, "text": self._found.reason, "communicating": [], "waiting": []}
+
+    def _place(
+        self, parties: Sequence[StuckProcess], already: Sequence[StuckProcess] = ()
+    ) -> tuple[str, list[str], list[str]] | None:
+        """The process around some parties, the keys of the elements of its diagrams that concern them, and those of
+        others, which concern processes that wait ``already``; None if there is no such process.
+        """
+        path, top = path_around(parties), self._found.process
+        definition = definition_at(self._program, path.split(".")) if path.split(".")[0] == top else None
+        if definition is None:
+            return None
+        name = definition.name.text
+        keys, waiting = self._composed(name, path, parties), self._composed(name, path, already)
+        drawn = surroundings(self._program, top, parties, self._declared)
+        if drawn is not None:
+            diagram, marks = drawn
+            keys = [*marks, *keys]
+            waiting = [*marks_beside(diagram, parties, already, self._declared), *waiting]
+        return name, keys, [key for key in waiting if key not in keys]
 
     def _composed(self, name: str, path: str, processes: Sequence[StuckProcess]) -> list[str]:
         """The elements of the composition of a definition, that of the process at a path, which concern processes."""

@@ -260,3 +260,36 @@ assert Main livelock free
         ("Main", "busy, again and again, without a communication or a delay")
     ]
     assert "busy" in answer.steps[0]["communicating"]
+
+
+WAITING = """process Ticks { composition { mu (wait 1 s) } }
+assert Ticks terminates
+"""
+TWICE = """process Once { in a : int communication { var v : int } composition { a ? v ; stop } }
+process Twice { in a : int communication { var v : int } composition { a ? v ; a ? v } }
+assert Twice refines Once
+"""
+
+
+@pytest.mark.asyncio
+async def test_the_last_step_says_what_is_wrong(tmp_path: Path) -> None:
+    session = Session()
+
+    async def last(name: str, text: str) -> dict[str, object]:
+        view = session.view(session.documents.open((tmp_path / name).as_uri(), text, 1))
+        (answer,) = await prove(view.main, {}, text.index("assert"))
+        return dict(answer.steps[-1])
+
+    # It has no communication diagram.
+    assert await last("ticks.csp", WAITING) == {
+        "process": "Ticks",
+        "text": "wait 1 s of Ticks, again and again",
+        "communicating": ["step-1.1"],
+        "waiting": [],
+    }
+    assert await last("twice.csp", TWICE) == {
+        "process": "Twice",
+        "text": "it does `a`, where the specification allows nothing more",
+        "communicating": [],
+        "waiting": [],
+    }
