@@ -73,6 +73,8 @@ _RECOVERED_KINDS: dict[str, Kind] = {
     "parameter": "type parameter",
 }
 
+_DISCARD = Completion("_", "keyword", "the values are discarded")
+
 _LOCAL_RULES = frozenset(["action", "event", "reference", "references", "endpoint", "equation", "channel_reference"])
 """Rules that begin with a name declared in the same definition."""
 _ENDS = (PortSymbol, ast.Instance, ast.Variable, ast.Channel, EndLabelSymbol)
@@ -163,6 +165,8 @@ class _Completion:
         end = end_at(self._place.before, rules)
         if end is not None:
             yield from self._ends(end)
+            if end == "sink" and "endpoint" in rules:
+                yield _DISCARD
         elif not rules.isdisjoint(_LOCAL_RULES):
             yield from self._locals()
         if not rules:
