@@ -27,6 +27,7 @@ from cspdiag.lsp.features import (
     rename,
     signature,
 )
+from cspdiag.lsp.features.diagnostics import too_large
 from cspdiag.lsp.folders import programs
 from cspdiag.lsp.garbage import Garbage
 from cspdiag.lsp.parameters import AssertionParams, DiagramParams, ProgramParams
@@ -252,7 +253,8 @@ async def _verify(ls: CspdiagServer, *sent: object) -> str | None:
     try:
         found = await ls.prove(view, assertion)
     except ProvingError as problem:
-        message = f"`{asserted}` cannot be proved: {problem}"
+        # The reason first: editors cut what is long.
+        message = f"Not proved: {problem} (`{asserted}`)"
         ls.window_show_message(types.ShowMessageParams(types.MessageType.Error, message))
         return None
     except asyncio.CancelledError:
@@ -278,7 +280,8 @@ async def _diagram(ls: CspdiagServer, sent: object) -> dict[str, Any] | None:
     params = DiagramParams.of(sent)
     view = ls.view(params.uri)
     if view is None:
-        return {"problem": "the file is not open, or too large"}
+        document = ls.session.documents.get(params.uri)
+        return {"problem": "the file is not open" if document is None else too_large(document)}
     position = params.position
     request = {
         "main": view.main.name,

@@ -16,7 +16,7 @@ from pygls.protocol import JsonRPCRequestMessage, LanguageServerProtocol, lsp_me
 from cspdiag import __version__
 from cspdiag.editing.proved import Proved
 from cspdiag.editing.view import View
-from cspdiag.lsp.documents import MAX_CHARACTERS, Document, name_of
+from cspdiag.lsp.documents import Document, name_of
 from cspdiag.lsp.features import diagnostics
 from cspdiag.lsp.features.lenses import asserted
 from cspdiag.lsp.garbage import Garbage
@@ -141,7 +141,7 @@ class CspdiagServer(LanguageServer):
         found: dict[str, list[types.Diagnostic]] = {document.uri: []}
         found[document.uri] += diagnostics.encoding(document.source, document.misread, self.session.positions)
         if document.is_too_large:
-            found[document.uri].append(diagnostics.too_large(len(document.source.text), MAX_CHARACTERS))
+            found[document.uri].append(diagnostics.unchecked(document))
         else:
             uri, positions = self.session.documents.uri, self.session.positions
             for each in self.session.diagnostics(document):

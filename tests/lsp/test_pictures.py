@@ -120,7 +120,16 @@ async def test_a_picture_as_a_file(client: Client, tmp_path: Path) -> None:
 async def test_a_file_that_is_not_open_has_none(client: Client, tmp_path: Path) -> None:
     editor = Editor(client, tmp_path)
     editor.main = "closed.csp"
-    assert (await diagram(client, editor))["problem"] == "the file is not open, or too large"
+    assert (await diagram(client, editor))["problem"] == "the file is not open"
+
+
+async def test_a_file_that_is_too_large_has_none(client: Client, tmp_path: Path) -> None:
+    editor = Editor(client, tmp_path)
+    await editor.open("large.csp", "const a = 1\n" * 84_000)
+    assert (await diagram(client, editor))["problem"] == (
+        "this file has 1008000 characters, more than the 1000000 that are checked while they are edited"
+    )
+    await editor.close()
 
 
 @pytest.mark.parametrize(

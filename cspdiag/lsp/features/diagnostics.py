@@ -11,6 +11,7 @@ from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.files.resources import manual_page_file
 from cspdiag.base.manual import FAMILIES
 from cspdiag.base.span import SourceFile, Span
+from cspdiag.lsp.documents import MAX_CHARACTERS, Document
 from cspdiag.lsp.positions import Positions
 
 SOURCE = "cspdiag"
@@ -64,13 +65,19 @@ def encoding(source: SourceFile, misread: str | None, positions: Positions) -> l
     return [types.Diagnostic(range=range_, message=message, severity=severity, source=SOURCE)]
 
 
-def too_large(characters: int, limit: int) -> types.Diagnostic:
+def unchecked(document: Document) -> types.Diagnostic:
     """The only diagnostic of a text that is not checked while it is edited."""
     start = types.Position(0, 0)
     return types.Diagnostic(
         range=types.Range(start, start),
-        message=f"this file has {characters} characters, more than the {limit} that are checked while they are "
-        "edited; `cspdiag check` has no such limit",
+        message=f"{too_large(document)}; `cspdiag check` has no such limit",
         severity=types.DiagnosticSeverity.Information,
         source=SOURCE,
     )
+
+
+def too_large(document: Document) -> str:
+    """Why an open file that is too large is not checked, in words."""
+    characters = len(document.source.text)
+    size = f"{characters} characters, more than the {MAX_CHARACTERS}"
+    return f"this file has {size} that are checked while they are edited"

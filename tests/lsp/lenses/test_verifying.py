@@ -45,6 +45,14 @@ async def test_after_a_change_the_lens_has_the_answer_of_before(client: Client, 
     await editor.close()
 
 
+async def test_the_reason_why_nothing_is_proved_comes_first(client: Client, tmp_path: Path) -> None:
+    editor = Editor(client, tmp_path)
+    await editor.open("main.csp", PROGRAM.replace("stop", "missing"))
+    assert await asyncio.wait_for(verify(editor, 1), PATIENCE) is None
+    assert client.messages[-1].message == "Not proved: the program has errors (`assert Main deadlock free`)"
+    await editor.close()
+
+
 async def test_an_assertion_about_a_process_without_values_does_not_keep_others_from_being_proved(
     client: Client, tmp_path: Path
 ) -> None:
