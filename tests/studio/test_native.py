@@ -227,7 +227,15 @@ def test_a_native_program_that_crashes_ends_its_session(talk: Talk) -> None:
     talk.engine.proceed()
     ended = talk.notifications[-1]["params"]
     assert ended["reason"] == "fault"
-    assert "the native program has failed" in ended["text"]
+    assert "the native program has failed: it was ended by SIG" in ended["text"]
+    assert "a crash such as that of a body in C" in ended["text"]
+
+
+def test_a_law_in_c_that_does_not_compile_is_not_to_be_run_in_python(talk: Talk) -> None:
+    files = {"p.csp": CRASH, "law.c": f"{LAW_C}\nint no end", "law.h": LAW_H}
+    refusal = str(talk.answer("start", files=files, main="p.csp", target="c")["error"])
+    assert "law.c" in refusal
+    assert "run it in Python" not in refusal
 
 
 def test_what_native_sessions_cannot_do_is_said(talk: Talk, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -317,13 +317,23 @@ def _run(
         text = errors.read().decode("utf-8", "replace")
     outcome = _outcome(run, supervisor, program.environment, program.network)
     if outcome is None:
-        raise CompilerError(f"the native program has failed: {text.strip() or f'exit code {running.returncode}'}")
+        raise CompilerError(f"the native program has failed: {text.strip() or how_it_ended(running.returncode)}")
     if program.board is None:
         standard_error().write(text)  # Of bodies in C: the program itself writes nothing.
     if program.board is not None:
         outcome.wall_time = monitor.wall_time
     outcome.real_time = program.real_time
     return outcome
+
+
+def how_it_ended(code: int) -> str:
+    """What the exit code of a process says, in words: a signal, also one after which it has still released outputs."""
+    number = -code if code < 0 else code - 128
+    if number not in signal.valid_signals():
+        return f"exit code {code} before the end of the run, as if a body in C had called exit"
+    name = signal.Signals(number).name
+    crashes = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGABRT)
+    return f"it was ended by {name}{', a crash such as that of a body in C' if number in crashes else ''}"
 
 
 def _enlarge(pipe: BufferedIOBase) -> None:

@@ -14,7 +14,7 @@ from weakref import finalize
 from cspdiag.base.errors import CspdiagError
 from cspdiag.runtime.outcome import Outcome
 from cspdiag.simulate.native.monitor import ProgramMonitor
-from cspdiag.simulate.native.run import NativeProgram, reported_outcome, started, variables_of
+from cspdiag.simulate.native.run import NativeProgram, how_it_ended, reported_outcome, started, variables_of
 from cspdiag.simulate.native.stream import HeldRecord, StreamReader
 from cspdiag.simulate.native.tuning import given_changes
 from cspdiag.simulate.steered.orders import Orders
@@ -158,7 +158,7 @@ class SteeredProcess:
         self._end_process()
         self._errors.seek(0)
         text = self._errors.read(_LONGEST).decode("utf-8", "replace").strip()
-        return ProgramGoneError(f"the native program has failed: {text or f'exit code {self._process.returncode}'}")
+        return ProgramGoneError(f"the native program has failed: {text or how_it_ended(self._process.returncode)}")
 
     def _end_process(self) -> None:
         """Nothing of it is left."""

@@ -154,9 +154,9 @@ def test_a_native_run_ends_with_its_parent(number: signal.Signals, tmp_path: Pat
                 time.sleep(0.02)
                 native = [child for child in children(parent.pid) if is_native(child)]
             assert native
-            while not signals_are_for_the_main_thread(parent.pid) and time.monotonic() < deadline:
+            while not (is_ready := signals_are_for_the_main_thread(parent.pid)) and time.monotonic() < deadline:
                 time.sleep(0.02)
-            assert signals_are_for_the_main_thread(parent.pid)
+            assert is_ready
             parent.send_signal(number)
             assert parent.wait(timeout=20) == (-number if number == signal.SIGKILL else 128 + number)
             while is_native(native[0]) and time.monotonic() < deadline:

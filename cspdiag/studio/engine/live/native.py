@@ -6,7 +6,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from cspdiag.codegen import target_errors
-from cspdiag.network.ir.external import devices_in_c
+from cspdiag.network.ir.external import external_bodies
 from cspdiag.simulate.native.build import CompilerError, find_compiler
 from cspdiag.simulate.run.execute import chosen_environment
 from cspdiag.studio.engine.failure import RequestError
@@ -22,9 +22,10 @@ _IN_PYTHON = "run it in Python: what happens is the same"
 
 
 def _runs_in_python(network: CoreNetwork, environment: str | None) -> bool:
-    """Whether no device is written in C."""
+    """Whether nothing is written in C."""
     chosen = chosen_environment(network, environment)
-    return chosen is None or not any(devices_in_c(chosen))
+    bodies = external_bodies(network.classes, () if chosen is None else (chosen,))
+    return not any(body.language == "c" for body in bodies)
 
 
 def why_not_native() -> str | None:
