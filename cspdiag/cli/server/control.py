@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cspdiag.cli.server import messages, place
-from cspdiag.cli.server.seat import LOCK
+from cspdiag.cli.server.seat import LOCK, is_taken
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL
 from cspdiag.cli.support.terminal import write_out
 
@@ -59,7 +59,14 @@ def _report(question: str, shown: Callable[[str, dict[str, Any]], str]) -> int:
 
 
 def _names() -> list[str]:
-    """The names of all sockets."""
+    """The names of all sockets, also of servers that are starting: one that has its place will soon listen there."""
+    deadline = time.monotonic() + _PATIENCE
+    while time.monotonic() < deadline:
+        files = set(_files())
+        places = {name.removesuffix(LOCK) for name in files if name.endswith(LOCK)}
+        if not any(is_taken(name) for name in places - files):
+            break
+        time.sleep(0.005)
     return sorted(name for name in _files() if not name.endswith(LOCK))
 
 

@@ -49,6 +49,27 @@ def seat(name: str) -> Iterator[Seat | None]:
         os.close(folder)
 
 
+def is_taken(name: str) -> bool:
+    """Whether a process has the place of the servers with a name."""
+    try:
+        folder = place.open_folder()
+    except OSError:
+        return False
+    try:
+        lock = os.open(name + LOCK, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW, dir_fd=folder)
+    except OSError:
+        return False
+    finally:
+        os.close(folder)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(lock)
+    return False
+
+
 def _locked(folder: int, name: str) -> int | None:
     """A lock, or None if another process has it."""
     while True:

@@ -57,6 +57,14 @@ def test_the_first_command_answers_by_itself_and_starts_a_server(alone: Place) -
     assert alone.check("--server-status").code == 1
 
 
+def test_a_server_that_is_still_starting_is_stopped(alone: Place) -> None:
+    (alone.programs / "good.csp").write_text(GOOD)
+    assert alone.check("--server", "good.csp") == FINE
+    wait_until(lambda: any(alone.sockets.rglob("*.lock")))
+    assert alone.check("--server-stop").out.endswith(b" has stopped\n")
+    assert alone.is_empty()
+
+
 @pytest.mark.parametrize(
     "options", [("--server-stop", "--server-status"), ("--server-stop", "x.csp"), ("--server-status", "--server")]
 )
