@@ -22,9 +22,10 @@ CAUGHT_INSIDE = {
     "UndefinedError", "OutOfRangeError", "NoPartError", "EvaluationFault", "NeedsLoad", "Restart", "TransitionError",
     "LimitError", "SolverTimeoutError", "TooLargeError", "NoSuchElementError", "UnboundedError", "AstrayError",
     "NotStaticError", "NoFormError", "NoElementError", "NoValueError", "UnknownError", "NoResultError", "UsageError",
-    "RaisedError", "CancelledError", "DeclaredError", "FaultError", "MissedSampleError", "FailureError",
+    "NoRepositoryError", "RaisedError", "CancelledError", "DeclaredError", "FaultError", "MissedSampleError",
+    "FailureError",
 }  # fmt: skip
-"""What the callers always catch: the command line catches UsageError, LimitError is not an ``Exception``, and the
+"""What the callers always catch: the command line catches UsageError and NoRepositoryError, LimitError is not an ``Exception``, and the
 interpreter catches the last six.
 """
 
