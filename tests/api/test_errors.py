@@ -25,8 +25,8 @@ CAUGHT_INSIDE = {
     "NoRepositoryError", "RaisedError", "CancelledError", "DeclaredError", "FaultError", "MissedSampleError",
     "FailureError",
 }  # fmt: skip
-"""What the callers always catch: the command line catches UsageError and NoRepositoryError, LimitError is not an ``Exception``, and the
-interpreter catches the last six.
+"""What the callers always catch: the command line catches UsageError and NoRepositoryError, LimitError is not an
+``Exception``, and the interpreter catches the last six.
 """
 
 
