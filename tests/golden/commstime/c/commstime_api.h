@@ -113,7 +113,7 @@ typedef struct commstime_hooks {
 typedef enum commstime_state {
     COMMSTIME_MORE,     /* everything up to the instant is done */
     COMMSTIME_BUDGET,   /* the steps are used up, and something is still due: call again */
-    COMMSTIME_REFUSED,  /* nothing was done: the instant is past or after 292 years, or nothing runs */
+    COMMSTIME_REFUSED,  /* nothing was done: the instant is past or too far, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     COMMSTIME_ENDED,    /* by itself */
     COMMSTIME_FAILED,   /* by an exception or a fault */
@@ -129,7 +129,7 @@ commstime_instance *commstime_begin(void *memory, size_t size,
     const commstime_hooks *hooks, const char **reason);
 
 /* Runs everything that is due up to the instant, with at most this number of steps of processes.
- * Never waits.
+ * Never waits. The last instant of any run is 9223372036 s, after 292 years.
  */
 commstime_state commstime_advance(commstime_instance *self, int64_t until,
     uint32_t steps);

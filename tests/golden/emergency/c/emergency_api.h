@@ -162,7 +162,7 @@ typedef struct emergency_hooks {
 typedef enum emergency_state {
     EMERGENCY_MORE,     /* everything up to the instant is done */
     EMERGENCY_BUDGET,   /* the steps are used up, and something is still due: call again */
-    EMERGENCY_REFUSED,  /* nothing was done: the instant is past or after 292 years, or nothing runs */
+    EMERGENCY_REFUSED,  /* nothing was done: the instant is past or too far, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     EMERGENCY_ENDED,    /* by itself */
     EMERGENCY_FAILED,   /* by an exception or a fault */
@@ -178,7 +178,7 @@ emergency_instance *emergency_begin(void *memory, size_t size,
     const emergency_hooks *hooks, const char **reason);
 
 /* Runs everything that is due up to the instant, with at most this number of steps of processes.
- * Never waits.
+ * Never waits. The last instant of any run is 9223372036 s, after 292 years.
  */
 emergency_state emergency_advance(emergency_instance *self, int64_t until,
     uint32_t steps);

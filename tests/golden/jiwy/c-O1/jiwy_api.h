@@ -173,7 +173,7 @@ typedef struct jiwy_hooks {
 typedef enum jiwy_state {
     JIWY_MORE,     /* everything up to the instant is done */
     JIWY_BUDGET,   /* the steps are used up, and something is still due: call again */
-    JIWY_REFUSED,  /* nothing was done: the instant is past or after 292 years, or nothing runs */
+    JIWY_REFUSED,  /* nothing was done: the instant is past or too far, or nothing runs */
     /* The run is over, and the outputs have their safe values: */
     JIWY_ENDED,    /* by itself */
     JIWY_FAILED,   /* by an exception or a fault */
@@ -189,7 +189,7 @@ jiwy_instance *jiwy_begin(void *memory, size_t size,
     const jiwy_hooks *hooks, const char **reason);
 
 /* Runs everything that is due up to the instant, with at most this number of steps of processes.
- * Never waits.
+ * Never waits. The last instant of any run is 9223372036 s, after 292 years.
  */
 jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
     uint32_t steps);
