@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
 from cspdiag.proofs.refine.labels import Label, words
 
@@ -45,13 +45,13 @@ def _any_number(labels: Collection[Label]) -> set[Label]:
     """
     found = set(labels)
     for port in {port for port, value in labels if value is not None and value.startswith("..")}:
-        own = {(name, value) for name, value in found if name == port and value is not None}
-        if _are_all_numbers([value for _, value in own if value is not None]):
-            found = found - own | {(port, None)}
+        values = {value for name, value in labels if name == port and value is not None}
+        if _are_all_numbers(values):
+            found = found - {(port, value) for value in values} | {(port, None)}
     return found
 
 
-def _are_all_numbers(values: Sequence[str]) -> bool:
+def _are_all_numbers(values: Collection[str]) -> bool:
     """Whether the texts of numbers and of ranges leave none out."""
     limits = []
     for value in values:

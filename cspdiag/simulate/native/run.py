@@ -320,7 +320,7 @@ def _run(
         raise CompilerError(f"the native program has failed: {text.strip() or how_it_ended(running.returncode)}")
     if program.board is None:
         standard_error().write(text)  # Of bodies in C: the program itself writes nothing.
-    if program.board is not None:
+    else:
         outcome.wall_time = monitor.wall_time
     outcome.real_time = program.real_time
     return outcome

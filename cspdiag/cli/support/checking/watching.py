@@ -8,6 +8,7 @@ from argparse import Namespace
 from collections.abc import Iterable, Sequence
 
 from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.files.content import Stamp, stamp_of_file
 from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
@@ -74,18 +75,6 @@ def _files(count: int) -> str:
     return f"{count} file{'s' * (count != 1)}"
 
 
-def stamps(names: Iterable[str]) -> dict[str, tuple[int, int, int] | None]:
-    """What changes with a file's content: its identity, size and time of change; None for a file that is not there."""
-    import os
-
-    from cspdiag.base.files.content import stamp_of
-
-    found: dict[str, tuple[int, int, int] | None] = {}
-    for name in names:
-        try:
-            status = os.stat(name)
-        except OSError:
-            found[name] = None
-        else:
-            found[name] = stamp_of(status)
-    return found
+def stamps(names: Iterable[str]) -> dict[str, Stamp | None]:
+    """What changes with the content of each file; None for a file that is not there."""
+    return {name: stamp_of_file(name) for name in names}

@@ -80,10 +80,10 @@ def _requested_files(
 
 
 def _write_json(path: Path | str, result: Run) -> None:
-    from cspdiag.base.files.whole import write_whole
+    from cspdiag.cli.support.files.output import replace_text
     from cspdiag.simulate.result_json import result_text
 
-    write_whole(Path(path), result_text(result).encode())
+    replace_text(str(path), result_text(result))
 
 
 def _finish(recording: Recording, result: Run) -> None:
