@@ -22,8 +22,32 @@ if [ ! -s "$folder/changes.md" ] && [ "$status" -ne 0 ]; then
     echo "::error::the programs could not be compared"
     exit "$status"
 fi
+
+# The comment of an earlier run is brought up to date; with "anew" there is one even if there was none.
+comment() {
+    local earlier
+    earlier=$(gh api --paginate "repos/$GITHUB_REPOSITORY/issues/$NUMBER/comments" \
+        --jq "[.[] | select(.body | startswith(\"$mark\"))][0].id // empty" | sed -n 1p) || earlier=""
+    if [ -n "$earlier" ]; then
+        gh api --silent --method PATCH "repos/$GITHUB_REPOSITORY/issues/comments/$earlier" -F "body=@$folder/comment.md"
+    elif [ "$1" = "anew" ]; then
+        gh pr comment "$NUMBER" --repo "$GITHUB_REPOSITORY" --body-file "$folder/comment.md"
+    fi || echo "::warning::no comment: the job needs the permission pull-requests: write; the changes are in its summary"
+}
+
+heading() {
+    echo "$mark"
+    echo "## Changes of the diagrams"
+    echo
+}
+
 if [ ! -s "$folder/changes.md" ]; then
     echo "no program has changed"
+    if [ "$COMMENT" = "true" ]; then
+        # An earlier state of the pull request may have had changes.
+        { heading; echo "No diagram differs any more."; } > "$folder/comment.md"
+        comment "if there is one"
+    fi
     exit 0
 fi
 
@@ -44,9 +68,7 @@ push_pictures() {
 }
 
 {
-    echo "$mark"
-    echo "## Changes of the diagrams"
-    echo
+    heading
     if [ -n "${PICTURES_BRANCH:-}" ] && [ -d "$folder/pictures" ]; then
         if address=$(push_pictures); then
             # The name of the folder is not compared: as an address it is encoded.
@@ -63,12 +85,5 @@ push_pictures() {
 
 cat "$folder/comment.md" >> "$GITHUB_STEP_SUMMARY"
 if [ "$COMMENT" = "true" ]; then
-    # The comment of an earlier run is brought up to date.
-    earlier=$(gh api --paginate "repos/$GITHUB_REPOSITORY/issues/$NUMBER/comments" \
-        --jq "[.[] | select(.body | startswith(\"$mark\"))][0].id // empty" | head -n 1) || earlier=""
-    if [ -n "$earlier" ]; then
-        gh api --silent --method PATCH "repos/$GITHUB_REPOSITORY/issues/comments/$earlier" -F "body=@$folder/comment.md"
-    else
-        gh pr comment "$NUMBER" --repo "$GITHUB_REPOSITORY" --body-file "$folder/comment.md"
-    fi || echo "::warning::no comment: the job needs the permission pull-requests: write; the changes are in its summary"
+    comment anew
 fi

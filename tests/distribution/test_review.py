@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from ruamel.yaml import YAML
@@ -134,6 +135,20 @@ def test_without_permissions_the_changes_are_in_the_summary(repository: Path) ->
     assert nothing.returncode != 0
 
 
+def test_the_comment_of_an_earlier_run_says_that_nothing_differs_any_more(repository: Path) -> None:
+    calls = repository.parent / "calls"
+    assert run(repository, "changes.sh", EARLIER="1234").returncode == 0
+    assert "--method PATCH repos/owner/programs/issues/comments/1234 -F body=@" in calls.read_text()
+    (commented,) = (repository.parent / "temporary files").rglob("comment.md")
+    assert commented.read_text().endswith("\n\nNo diagram differs any more.\n")
+    calls.unlink()
+    assert run(repository, "changes.sh").returncode == 0
+    assert "pr comment" not in calls.read_text()
+    calls.unlink()
+    assert run(repository, "changes.sh", EARLIER="1234", COMMENT="false").returncode == 0
+    assert not calls.exists()
+
+
 def test_a_program_that_cannot_be_read_is_a_change(repository: Path) -> None:
     base = git(repository, "rev-parse", "main")
     (repository / "the models" / "relay.csp").write_bytes(b"\xff")
@@ -181,16 +196,59 @@ def test_the_hooks_call_commands_that_exist(repository: Path) -> None:
     )
 
 
+def gitlab_jobs() -> dict[str, dict[str, Any]]:
+    """The jobs of GitLab's template, with what they have from those that they extend."""
+    given = YAML(typ="safe").load((REVIEW / "gitlab.yml").read_text())
+    return {
+        name: given[job["extends"]] | job
+        for name, job in given.items()
+        if name.startswith("cspdiag-") and isinstance(job, dict)
+    }
+
+
+def run_in_gitlab(folder: Path, job: str) -> subprocess.CompletedProcess[str]:
+    script = "\n".join(gitlab_jobs()[job]["script"])
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    return subprocess.run(
+        ["bash", "-e", "-o", "pipefail", "-c", script],
+        cwd=folder,
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_all_jobs_of_gitlab_are_in_the_pipeline_of_a_merge_request() -> None:
+    """A job without rules is in none of these, and the merge request shows no other pipeline."""
+    jobs = gitlab_jobs()
+    assert set(jobs) == {"cspdiag-check", "cspdiag-verify", "cspdiag-changes"}
+    for name, job in jobs.items():
+        assert job["rules"][0] == {"if": '$CI_PIPELINE_SOURCE == "merge_request_event"'}, name
+    for name in ("cspdiag-check", "cspdiag-verify"):
+        # Not twice for one commit.
+        assert jobs[name]["rules"][1] == {"if": "$CI_COMMIT_BRANCH && $CI_OPEN_MERGE_REQUESTS", "when": "never"}
+
+
+def test_gitlab_checks_all_programs(repository: Path) -> None:
+    assert run_in_gitlab(repository, "cspdiag-check").returncode == 0
+    (repository / "-wrong.csp").write_text(PROGRAM.replace("? held", "? hold"))
+    git(repository, "add", "--all")
+    assert run_in_gitlab(repository, "cspdiag-check").returncode == 1
+    report = (repository / "check.xml").read_text()
+    assert "-wrong.csp" in report
+    assert "the models/relay.csp" in report
+    git(repository, "rm", "--quiet", "-r", "--force", ".")
+    done = run_in_gitlab(repository, "cspdiag-check")
+    assert (done.returncode, done.stderr) == (1, "no file of this project matches *.csp\n")
+
+
 def test_each_program_has_a_report_of_its_own_in_gitlab(repository: Path) -> None:
     (repository / "the-models").mkdir()
     for name in ("the-models/relay.csp", "the models-relay.csp", "the models/laws.csp"):
         (repository / name).write_text(LIBRARY if "laws" in name else PROGRAM)
     git(repository, "add", "--all")
-    jobs = YAML(typ="safe").load((REVIEW / "gitlab.yml").read_text())
-    script = "\n".join(jobs["cspdiag-verify"]["script"])
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    done = subprocess.run(["bash", "-e", "-c", script], cwd=repository, env={**os.environ, "PATH": path}, check=False)
-    assert done.returncode == 0
+    assert run_in_gitlab(repository, "cspdiag-verify").returncode == 0
     reports = [report.read_text() for report in (repository / "proofs").glob("*.xml")]
     assert len(reports) == 4
     assert sum('tests="0"' in report for report in reports) == 1
