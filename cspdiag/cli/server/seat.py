@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import socket
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
@@ -12,6 +13,9 @@ from cspdiag.cli.server import place
 
 LOCK = ".lock"
 """How the name of a lock ends; its beginning is that of the socket."""
+
+_FLOCK = struct.Struct("hhqqi0q")
+"""``struct flock`` of C: kind, from where the place counts, place, length, process."""
 
 
 class Seat:
@@ -50,7 +54,9 @@ def seat(name: str) -> Iterator[Seat | None]:
 
 
 def is_taken(name: str) -> bool:
-    """Whether a process has the place of the servers with a name."""
+    """Whether a process has the place of the servers with a name. Asking takes no lock, not even for a moment: a server
+    that is starting would believe the place taken.
+    """
     try:
         folder = place.open_folder()
     except OSError:
@@ -62,12 +68,11 @@ def is_taken(name: str) -> bool:
     finally:
         os.close(folder)
     try:
-        fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
+        found = fcntl.fcntl(lock, fcntl.F_GETLK, _FLOCK.pack(fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0))
     finally:
         os.close(lock)
-    return False
+    kind, *_ = _FLOCK.unpack(found)
+    return bool(kind != fcntl.F_UNLCK)
 
 
 def _locked(folder: int, name: str) -> int | None:
@@ -75,7 +80,7 @@ def _locked(folder: int, name: str) -> int | None:
     while True:
         lock = os.open(name, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600, dir_fd=folder)
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             os.close(lock)
             return None

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag.cli.server import place as places
+from cspdiag.cli.server.seat import seat
 from tests.cli.conftest import GOOD
 from tests.cli.server.commands import ROOT, Answer, Place, served
 
@@ -63,6 +64,31 @@ def test_a_server_that_is_still_starting_is_stopped(alone: Place) -> None:
     wait_until(lambda: any(alone.sockets.rglob("*.lock")))
     assert alone.check("--server-stop").out.endswith(b" has stopped\n")
     assert alone.is_empty()
+
+
+def test_who_asks_for_servers_keeps_none_from_its_place(alone: Place, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = alone.sockets / "cspdiag"
+    folder.mkdir(mode=0o700)
+    (folder / "another.lock").touch()
+    # There is always a lock to ask for, as one that a killed server has left.
+    program = f"""
+import pathlib
+from cspdiag.cli.server.seat import is_taken
+print("asks", flush=True)
+while True:
+    pathlib.Path({str(folder)!r}, "name.lock").touch()
+    is_taken("name")
+"""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(alone.sockets))
+    with subprocess.Popen([sys.executable, "-c", program], env=alone.environment, stdout=subprocess.PIPE) as asking:
+        try:
+            assert asking.stdout is not None
+            assert asking.stdout.readline() == b"asks\n"
+            for _ in range(2000):
+                with seat("name") as taken:
+                    assert taken is not None
+        finally:
+            asking.kill()
 
 
 @pytest.mark.parametrize(
