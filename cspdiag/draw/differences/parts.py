@@ -239,7 +239,8 @@ def _add_items(parts: Parts, items: Iterable[ast.SubmodelItem]) -> None:
             case ast.Derivative():
                 _add(parts, "equation", f"der {item.name.text}", item, {"value": texts.written(item.value)})
             case ast.Equation():
-                _add(parts, "equation", texts.written(item.target), item, {"value": texts.written(item.value)})
+                target = texts.spaced(texts.written(item.target))
+                _add(parts, "equation", target, item, {"value": texts.written(item.value)})
             case ast.Instance():
                 arguments = ", ".join(texts.arguments(item.arguments))
                 _add(

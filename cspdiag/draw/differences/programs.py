@@ -194,17 +194,19 @@ class _Comparison:
         return compared(before or empty, after or empty, names)
 
     def _assertions(self) -> list[Change]:
-        before = {_assertion(item): item for item in self.before.program.assertions}
-        after = {_assertion(item): item for item in self.after.program.assertions}
+        before, after = (
+            {texts.meaning(_assertion(item)): (_assertion(item), item) for item in pictures.program.assertions}
+            for pictures in (self.before, self.after)
+        )
         removed = [
             Change(action="removed", kind="assert", definition=text, span_before=item.span, before=text)
-            for text, item in before.items()
-            if text not in after
+            for meaning, (text, item) in before.items()
+            if meaning not in after
         ]
         added = [
             Change(action="added", kind="assert", definition=text, span_after=item.span, after=text)
-            for text, item in after.items()
-            if text not in before
+            for meaning, (text, item) in after.items()
+            if meaning not in before
         ]
         return removed + added
 
@@ -232,10 +234,13 @@ class _Comparison:
         if diagram is not None:
             parts |= diagram_parts(diagram, _parameters(pictures.program))
         found: set[tuple[str, ...]] = {
-            (*key, aspect, value) for key, part in parts.items() for aspect, value in part.aspects.items() if value
+            (*key, aspect, *texts.meaning(value))
+            for key, part in parts.items()
+            for aspect, value in part.aspects.items()
+            if value
         }
         if isinstance(definition, ast.ProcessDefinition) and definition.composition is not None:
-            found.add(("composition", texts.written(definition.composition)))
+            found.add(("composition", *texts.meaning(texts.written(definition.composition))))
         return frozenset(found)
 
 

@@ -36,7 +36,7 @@ from cspdiag.draw.elements.composition import (
     walk,
 )
 from cspdiag.draw.elements.marks import Mark
-from cspdiag.draw.elements.texts import same_text, squeezed, written_span
+from cspdiag.draw.elements.texts import meaning, same_text, written_span
 from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
 Action: TypeAlias = Literal["added", "removed", "changed"]
@@ -308,7 +308,7 @@ class _Comparison:
         known = self.contents.get(id(element))
         if known is None:
             inner = (self._content(part) for part in parts(element))
-            known = self.contents[id(element)] = (type(element), squeezed(self._own(element)), *inner)
+            known = self.contents[id(element)] = (type(element), meaning(self._own(element)), *inner)
         return known
 
 

@@ -12,6 +12,11 @@ from cspdiag.syntax import ast
 _WORDS = re.compile(r"\w\s+\w")
 _OPERATOR = re.compile(r"(?<=[\w\])])([-+*/%])")
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+_TOKEN = re.compile(
+    r'"[^"\n]*"|[^\W\d]\w*'
+    r"|(?P<number>(?P<whole>[0-9]+)(?:\.(?P<fraction>[0-9]+))?(?:[eE](?P<exponent>[+-]?[0-9]{1,9})(?![0-9]))?)"
+    r"|[0-9]+|\S"
+)
 
 
 def written(node: ast.Node) -> str:
@@ -29,14 +34,27 @@ def place_in_file(span: Span) -> str:
     return f"{os.path.basename(span.file)}:{span.line}"
 
 
-def squeezed(text: str) -> str:
-    """The text without spaces, which only separate words."""
-    return "".join(text.split())
-
-
 def same_text(one: str, other: str) -> bool:
-    """Whether two pieces of text differ at most in spaces."""
-    return squeezed(one) == squeezed(other)
+    """Whether two pieces of text differ at most in how they are written."""
+    return one == other or meaning(one) == meaning(other)
+
+
+def meaning(text: str) -> tuple[str, ...]:
+    """What has to be equal for two pieces of text to differ only in how they are written: in spaces, and in digits of
+    numbers that change no value, as in ``1.50`` and ``1.5``.
+    """
+    return tuple(_value(token) if token["number"] else token[0] for token in _TOKEN.finditer(text))
+
+
+def _value(number: re.Match[str]) -> str:
+    """A number without digits that change no value; one with a decimal point or an exponent remains one of these."""
+    whole, fraction, exponent = number["whole"], number["fraction"] or "", number["exponent"]
+    if not fraction and exponent is None:
+        return whole.lstrip("0") or "0"
+    digits = f"{whole}{fraction}".lstrip("0")
+    significant = digits.rstrip("0")
+    power = int(exponent or 0) - len(fraction) + len(digits) - len(significant)
+    return f"{significant}e{power}" if significant else "0e0"
 
 
 def optional(node: ast.Node | None) -> str | None:
@@ -45,14 +63,13 @@ def optional(node: ast.Node | None) -> str | None:
 
 
 def indexes(expressions: Iterable[ast.Expression]) -> str:
-    """``[i + 1][0]``, or nothing; with one space around operators however it was written, because elements are
-    identified by it.
-    """
-    return "".join(f"[{_spaced(written(expression))}]" for expression in expressions)
+    """``[i + 1][0]``, or nothing."""
+    return "".join(f"[{spaced(written(expression))}]" for expression in expressions)
 
 
-def _spaced(text: str) -> str:
-    return text if _WORDS.search(text) else _OPERATOR.sub(r" \1 ", squeezed(text))
+def spaced(text: str) -> str:
+    """The text with one space around operators however it was written, because elements are identified by it."""
+    return text if _WORDS.search(text) else _OPERATOR.sub(r" \1 ", "".join(text.split()))
 
 
 def replicator(item: ast.Replicator) -> str:

@@ -11,6 +11,7 @@ from cspdiag.base.sources import read_source
 from cspdiag.draw.differences.picture import marks, union
 from cspdiag.draw.differences.programs import Difference, differences
 from cspdiag.draw.differences.render_text import render
+from cspdiag.draw.elements.texts import same_text
 from cspdiag.model.program import Program
 from cspdiag.pipeline import check
 
@@ -220,6 +221,69 @@ def test_spaces_within_indexes_do_not_count() -> None:
     changed = text.replace("cell[i + 1].input", "cell[ i+1 ].input").replace("cell[cells - 1]", "cell[cells-1]")
     assert changed != text
     assert differences(program(text), program(changed)) == Difference()
+
+
+WRITING = """\
+const OFFSET = 1.50<V>
+const WAIT = 0.020 s
+
+submodel Law {
+  in  e : double<V>
+  out u : double<V>[2]
+  u[0] = 0.5 * e - 1.0e-3 * OFFSET
+  u[1] = e
+}
+
+process Body {
+  composition { skip }
+}
+
+assert  Body terminates
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("1.50<V>", "1.5<V>"),
+        ("1.50<V>", "0.15e+01<V>"),
+        ("0.020 s", "0.02s"),
+        ("1.0e-3", "0.001"),
+        ("u[0] =", "u[ 0 ] ="),
+        ("0.5 * e - 1.0e-3 * OFFSET", "0.50*e-1.0e-3*OFFSET"),
+        ("assert  Body", "assert Body"),
+    ],
+)
+def test_what_is_only_written_in_another_way_is_no_change(old: str, new: str) -> None:
+    assert old in WRITING
+    assert differences(program(WRITING), program(WRITING.replace(old, new))).changes == ()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("1.50<V>", "1.05<V>"),
+        ("1.50<V>", "15.0<V>"),
+        ("0.020 s", "0.02 ms"),
+        ("1.0e-3", "1.0e-30"),
+    ],
+)
+def test_what_means_something_else_is_a_change(old: str, new: str) -> None:
+    assert old in WRITING
+    (change,) = differences(program(WRITING), program(WRITING.replace(old, new))).changes
+    assert change.action == "changed"
+
+
+def test_an_integer_is_not_a_number_with_a_point() -> None:
+    """Its type is another one."""
+    (change,) = differences(program("const N = 2"), program("const N = 2.0")).changes
+    assert (change.before, change.after) == ("2", "2.0")
+
+
+def test_spaces_and_digits_within_a_text_are_part_of_it() -> None:
+    assert not same_text('"my port"', '"myport"')
+    assert not same_text('"COM01.0"', '"COM1.0"')
+    assert not same_text("not a", "nota")
 
 
 def test_states_and_values_of_a_submodel_that_were_renamed_are_found() -> None:
