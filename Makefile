@@ -8,9 +8,10 @@ VSCODE := editors/vscode
 STUDIO := studio
 PAGE   := $(STUDIO)/build/index.html
 ENGINE := $(STUDIO)/build/engine/cspdiag.zip
+HAS_NODE = { node -e 'process.exit(parseInt(process.versions.node) < 20 ? 1 : 0)' && command -v npm; } > /dev/null 2>&1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test hunt check bench fmt docs site pictures cases grammar vscode test-vscode pictures-vscode page studio playground test-studio pictures-studio clean
+.PHONY: help setup run test hunt check bench fmt docs site pictures cases grammar check-scripts vscode test-vscode pictures-vscode page studio playground test-studio pictures-studio clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -45,7 +46,7 @@ hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for 
 	for property in deadlock livelock terminates schedulable refines trace; do \
 	    $(BIN)/python -m tests.oracle.hunt --property $$property --count 5000 || exit 1; done
 
-check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, sizes of folders, silent defaults, generated documentation
+check: $(VENV)/.stamp-dev check-scripts ## Format, lint, types (of the page too), import rules, sizes of folders, silent defaults, generated documentation
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
@@ -81,19 +82,33 @@ cases: $(VENV)/.stamp-dev ## Rewrite the expectations of the literate cases; rea
 grammar: ## Generate the parser for editors; needs tree-sitter-cli 0.26 and node
 	cd editors/tree-sitter-csp && tree-sitter generate --abi 14
 
-vscode: $(VSCODE)/node_modules/.stamp ## Pack the extension for VS Code: editors/vscode/build/cspdiag.vsix; needs node and npm
-	cd $(VSCODE) && npm run --silent check && npm run --silent package
+# What is written in TypeScript: the page of the studio where npm can install it, the extension for VS Code where that was installed.
+check-scripts:
+	@if ! $(HAS_NODE); then \
+	    echo "node 20 and npm check the page of the studio, and are not there: its types and style are not checked"; \
+	elif ! $(MAKE) --no-print-directory $(STUDIO)/node_modules/.stamp; then \
+	    echo "npm cannot install what checks the page of the studio: its types and style are not checked"; \
+	else \
+	    $(MAKE) --no-print-directory $(STUDIO)/node_modules/.checked; \
+	fi
+	@if ! $(HAS_NODE) || [ ! -e $(VSCODE)/node_modules/.stamp ]; then \
+	    echo "the extension for VS Code is not checked: \`make vscode\` installs what checks it"; \
+	else \
+	    $(MAKE) --no-print-directory $(VSCODE)/node_modules/.checked; \
+	fi
 
-test-vscode: $(VENV)/.stamp-dev $(VSCODE)/node_modules/.stamp $(VSCODE)/test/e2e/node_modules/.stamp ## Test that extension in code-server (300 MB by npm) and chromium
-	cd $(VSCODE) && npm run --silent check
+vscode: $(VSCODE)/node_modules/.checked ## Pack the extension for VS Code: editors/vscode/build/cspdiag.vsix; needs node and npm
+	cd $(VSCODE) && npm run --silent package
+
+test-vscode: $(VENV)/.stamp-dev $(VSCODE)/node_modules/.checked $(VSCODE)/test/e2e/node_modules/.stamp ## Test that extension in code-server (300 MB by npm) and chromium
 	$(BIN)/pytest -rs tests/editors/test_vscode.py
 
 pictures-vscode: vscode $(VSCODE)/test/e2e/node_modules/.stamp ## Make the pictures of that extension in the documentation; look at them
 	cd $(VSCODE) && SCREENSHOTS=build/screenshots npm run --silent test:e2e
 	$(BIN)/python distribution/editor_pictures.py vscode $(VSCODE)/build/screenshots
 
-studio: $(STUDIO)/node_modules/.stamp ## Build the page of the studio: studio/build; needs node and npm
-	cd $(STUDIO) && npm run --silent check && npm run --silent build
+studio: $(STUDIO)/node_modules/.checked ## Build the page of the studio: studio/build; needs node and npm
+	cd $(STUDIO) && npm run --silent build
 
 playground: studio $(ENGINE) ## Add to that page the engine that runs in browsers: studio/build/engine
 
@@ -102,7 +117,7 @@ test-studio: $(VENV)/.stamp-dev studio $(ENGINE) ## Test that page in chromium, 
 
 # What the suite needs to test that page and that engine. Where they cannot be built, those tests are skipped and say so.
 page: third-party/VERSIONS
-	@if ! node -e 'process.exit(parseInt(process.versions.node) < 20 ? 1 : 0)' || ! command -v npm > /dev/null; then \
+	@if ! $(HAS_NODE); then \
 	    echo "node 20 and npm build the page of the studio, and are not there: its tests are skipped"; \
 	elif [ ! -d third-party/elkjs ] || ! $(MAKE) --no-print-directory $(STUDIO)/node_modules/.stamp; then \
 	    echo "npm cannot install what the page of the studio is built from: its tests are skipped"; \
@@ -140,6 +155,16 @@ $(VSCODE)/node_modules/.stamp: $(VSCODE)/package-lock.json
 
 $(STUDIO)/node_modules/.stamp: $(STUDIO)/package-lock.json
 	cd $(STUDIO) && npm ci --no-audit --no-fund
+	@touch $@
+
+$(STUDIO)/node_modules/.checked: $(STUDIO)/node_modules/.stamp $(STUDIO)/tsconfig.json $(STUDIO)/eslint.config.mjs \
+    $(shell find $(STUDIO)/src $(STUDIO)/test editors/vscode/src/webview -type f)
+	cd $(STUDIO) && npm run --silent check
+	@touch $@
+
+$(VSCODE)/node_modules/.checked: $(VSCODE)/node_modules/.stamp $(VSCODE)/tsconfig.json $(VSCODE)/eslint.config.mjs \
+    $(shell find $(VSCODE)/src $(VSCODE)/test -name '*.ts' -not -path '*/node_modules/*')
+	cd $(VSCODE) && npm run --silent check
 	@touch $@
 
 $(PAGE): $(STUDIO)/node_modules/.stamp $(STUDIO)/index.html $(STUDIO)/esbuild.mjs $(shell find $(STUDIO)/src editors/vscode/src/webview -type f)

@@ -38,12 +38,6 @@ def run(*command: str) -> None:
 
 
 @has_packages
-@pytest.mark.slow
-def test_its_types_and_its_style_are_right() -> None:
-    run("npm", "run", "--silent", "check")
-
-
-@has_packages
 def test_its_unit_tests_pass() -> None:
     run("npm", "run", "--silent", "test:unit")
 
