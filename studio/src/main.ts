@@ -351,7 +351,7 @@ async function begin(): Promise<void> {
     generate.offer(hello.targets ?? []);
     run.able(hello.able ?? {}, hello.unable ?? {}, hello.recordings ?? []);
     if (hello.hand !== undefined) {
-      showHand({ hand: hello.hand, viewers: hello.viewers ?? 1 });
+      showHand({ hand: hello.hand, page: hello.page ?? 1, held_by: hello.held_by ?? null, viewers: hello.viewers ?? 1 });
     }
     await opened(hello);
   } catch (problem) {

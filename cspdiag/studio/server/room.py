@@ -36,6 +36,7 @@ class Room:
         self._command = command
         self._files = files
         self.viewers: list[Viewer] = []
+        self._pages = 0
         self._hand: Viewer | None = None
         self._questions = EngineProcess(command, files.command_folder)
         self._work = EngineProcess(command, files.command_folder)
@@ -51,6 +52,8 @@ class Room:
     def enter(self, viewer: Viewer) -> None:
         """A page was opened; the first one has the hand."""
         self.viewers.append(viewer)
+        self._pages += 1
+        viewer.page = self._pages
         if self._hand is None:
             self._hand = viewer
         self._tell_hand()
@@ -196,7 +199,8 @@ class Room:
         return {}
 
     def _hand_of(self, viewer: Viewer) -> dict[str, Any]:
-        return {"hand": viewer is self._hand, "viewers": len(self.viewers)}
+        held_by = None if self._hand is None else self._hand.page
+        return {"hand": viewer is self._hand, "page": viewer.page, "held_by": held_by, "viewers": len(self.viewers)}
 
     def _tell_hand(self) -> None:
         for viewer in self.viewers:

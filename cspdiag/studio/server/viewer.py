@@ -28,6 +28,9 @@ class Connection(Protocol):
 class Viewer:
     """Sends messages in their order, in a task of its own: nobody waits for a page that is slow."""
 
+    page = 0
+    """Its number among the pages that were opened since the server began, from 1."""
+
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._waiting: deque[tuple[str, Frame | None]] = deque()

@@ -251,6 +251,9 @@ export interface Running extends Program, StartResult {}
 export interface HandState {
   /** Whether this page controls the program. */
   hand: boolean;
+  /** The number of this page, and of the one that controls the program. */
+  page: number;
+  held_by: number | null;
   viewers: number;
 }
 

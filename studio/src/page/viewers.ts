@@ -9,9 +9,13 @@ export function viewers(engine: Engine, report: (text: string) => void, changed:
   const take = () => {
     engine.request("take_hand", {}).catch((problem: unknown) => report(inWords(problem)));
   };
-  const show = ({ hand }: HandState) => {
-    note.hidden = hand;
-    note.replaceChildren(...(hand ? [] : ["Another page controls the program. ", button("Take control", take)]));
+  const show = ({ hand, page, held_by, viewers }: HandState) => {
+    note.hidden = hand && viewers < 2;
+    const watches = viewers === 2 ? "another one watches" : `${viewers - 1} others watch`;
+    const holder = held_by === null ? "Another page" : `Page ${held_by}`;
+    note.replaceChildren(
+      ...(hand ? [`This is page ${page}. It controls the program; ${watches}.`] : [`${holder} controls the program; this is page ${page}, and watches. `, button("Take control", take)]),
+    );
     changed(hand);
   };
   engine.on("hand", show);

@@ -25,6 +25,8 @@ const REAL_TIME = "real time";
 const CODE = "What runs: both do the same, C faster, after the C compiler has worked";
 const PYTHON_ONLY = "In real time the studio runs Python";
 const WATCHES = "Another page controls the program: take control first";
+/** What the button says that begins, pauses and resumes a run. */
+const LABELS = { idle: "Run", starting: "Starting", playing: "Pause", paused: "Resume", ended: "Again" } as const;
 const PACED = "In real time a program can be stopped, not paused";
 const STALLED = {
   server: "The run stands still on this page, because the server does not answer.",
@@ -153,6 +155,13 @@ export class RunPanel {
   /** This page controls the program, or only shows it. */
   control(controls: boolean): void {
     this.controls = controls;
+    this.session.controls = controls;
+    for (const room of [element("hand", HTMLElement), element("parameters", HTMLElement)]) {
+      room.inert = !controls;
+    }
+    for (const choice of [this.environment, this.inputs, this.speed]) {
+      choice.disabled = !controls;
+    }
     this.soon();
   }
 
@@ -168,6 +177,9 @@ export class RunPanel {
   }
 
   async toggle(): Promise<void> {
+    if (!this.controls) {
+      return;
+    }
     if (this.session.phase === "playing") {
       await this.session.pause();
     } else if (await this.ready(this.session.phase === "ended")) {
@@ -177,7 +189,7 @@ export class RunPanel {
 
   async forward(): Promise<void> {
     // Of a run that has ended, what is recorded after the instant that is shown comes next.
-    if (await this.ready(this.session.phase === "ended" && this.session.live)) {
+    if (!this.controls ? this.session.started !== undefined : await this.ready(this.session.phase === "ended" && this.session.live)) {
       await this.session.step();
     }
   }
@@ -230,7 +242,7 @@ export class RunPanel {
       const names = started.signals.map((signal) => signal.name);
       this.plantRoom.hidden = !this.plant.open(pictureOf(this.workspace.program, started.environment ?? this.environment.value), names);
     }
-    this.run.textContent = phase === "playing" ? "Pause" : phase === "ended" ? "Again" : phase === "paused" ? "Resume" : phase === "starting" ? "Starting" : "Run";
+    this.run.textContent = this.controls ? LABELS[phase] : "Watching";
     const paced = session.realTime && phase === "playing";
     this.run.disabled = phase === "starting" || paced || !this.controls;
     this.step.disabled = (paced || !this.controls) && session.live;
@@ -238,7 +250,7 @@ export class RunPanel {
     this.run.title = why ?? "F5";
     this.step.title = this.step.disabled && why !== undefined ? why : "To the next communication: F10";
     this.stop.title = this.controls ? "" : WATCHES;
-    this.code.disabled = this.realTime;
+    this.code.disabled = this.realTime || !this.controls;
     this.code.title = this.realTime ? PYTHON_ONLY : this.aboutCode;
     const any = started !== undefined;
     this.back.disabled = !any || session.shown <= 0;
@@ -281,7 +293,7 @@ export class RunPanel {
     const missed = Object.entries(session.missed).map(([name, count]) => `${name} (${count})`);
     const { stalled, standsStill, stopping } = session;
     const compiling = session.phase === "starting" && this.target === "c";
-    const key = [compiling, problem, refused, ended?.text, ended?.reason, stale, missed.join(), standsStill, stalled, stopping].join("|");
+    const key = [compiling, problem, refused, ended?.text, ended?.reason, stale, this.controls, missed.join(), standsStill, stalled, stopping].join("|");
     if (this.note.dataset["key"] === key) {
       return;
     }
@@ -312,7 +324,10 @@ export class RunPanel {
       const who = working === "" ? "" : ` At work: ${working}.`;
       this.note.append(`Simulated time stands still at ${clock(session.recording.now)}: the program communicates or computes without end in this instant.${who} Prove shows a run without end.`);
     } else if (stale) {
-      this.note.append("This is a run of the text as it was. ", button("Run the new text", () => void this.again()));
+      this.note.append("This is a run of the text as it was. ");
+      if (this.controls) {
+        this.note.append(button("Run the new text", () => void this.again()));
+      }
     }
     const late = missed.length > 0 ? `Samples that came too late to be taken: ${missed.join(", ")}.` : "";
     for (const text of [refused, late].filter((each) => each !== "")) {
@@ -330,10 +345,11 @@ export class RunPanel {
   private markDiagram(at: number): void {
     const { recording, phase, ended } = this.session;
     const recent = recording.communications.between(Math.max(at - FLASH, 0), at);
-    const last = phase === "playing" ? recent : recent.filter((each) => each.t === recent.at(-1)?.t);
+    const moves = phase === "playing" && this.session.live;
+    const last = moves ? recent : recent.filter((each) => each.t === recent.at(-1)?.t);
     this.diagram.mark({
       running: recording.runningAt(at),
-      waiting: phase === "playing" ? [] : recording.waitingAt(at),
+      waiting: moves ? [] : recording.waitingAt(at),
       stuck: ended?.reason === "deadlock" && this.session.live ? (ended.waiting ?? []) : [],
       communicating: [...new Set(last.map((each) => each.what.channel))],
     });

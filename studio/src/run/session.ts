@@ -13,6 +13,8 @@ const PATIENCE = 3000;
 
 export class Session {
   phase: Phase = "idle";
+  /** Whether this page controls the run. One that watches may look back, while the run goes on. */
+  controls = true;
   started: StartResult | undefined;
   recording = new Recording([]);
   ended: Ended | undefined;
@@ -133,7 +135,7 @@ export class Session {
   }
 
   async pause(): Promise<void> {
-    if (this.phase === "playing" && !this.realTime) {
+    if (this.controls && this.phase === "playing" && !this.realTime) {
       this.phase = "paused";
       this.standsStill = false;
       this.changed();
@@ -147,7 +149,7 @@ export class Session {
     const next = this.looked === undefined ? undefined : this.recording.after(this.looked);
     if (next !== undefined) {
       this.look(next);
-    } else if (this.ended === undefined && this.started !== undefined && !this.realTime) {
+    } else if (this.controls && this.ended === undefined && this.started !== undefined && !this.realTime) {
       this.looked = undefined;
       await this.ask(() => this.engine.request("step", { session: this.session, by: "communication" }));
     }
@@ -183,7 +185,7 @@ export class Session {
   /** Ends the run and forgets it. */
   async leave(): Promise<void> {
     const before = this.started;
-    const running = before !== undefined && this.ended === undefined && this.phase !== "ended";
+    const running = this.controls && before !== undefined && this.ended === undefined && this.phase !== "ended";
     this.started = undefined;
     this.ended = undefined;
     this.phase = "idle";

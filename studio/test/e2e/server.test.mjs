@@ -110,18 +110,35 @@ assert Hold deadlock free
 test("of two pages one controls the program, and the other can take control", async () => {
   const first = await open();
   const second = await open();
-  await second.getByText("Another page controls the program.").waitFor();
-  await second.locator("#ui-run-button:disabled").waitFor();
+  const [one, two] = await Promise.all([first, second].map((page) => page.locator("#ui-hand-note", { hasText: "this is page" }).or(page.locator("#ui-hand-note", { hasText: "This is page" })).textContent()));
+  assert.match(one, /This is page \d+\. It controls the program; another one watches\./);
+  assert.match(two, /Page \d+ controls the program; this is page \d+, and watches\. Take control/);
+  assert.equal(/This is page (\d+)/.exec(one)[1], /^Page (\d+)/.exec(two)[1]);
+  await second.locator("#ui-run-button:disabled", { hasText: "Watching" }).waitFor();
+  for (const choice of ["#ui-environment", "#ui-speed"]) {
+    await second.locator(`${choice}:disabled`).waitFor({ state: "attached" });
+  }
   assert.match(await second.locator("#ui-run-button").getAttribute("title"), /Another page controls.*take control/);
+  // A run that takes a minute.
+  await first.getByLabel("Example", { exact: true }).selectOption("jiwy");
+  await first.locator("#ui-environment option", { hasText: "Bench" }).waitFor({ state: "attached" });
+  await first.getByLabel("Speed").selectOption("0.1");
   await first.locator("#ui-run-button").click();
   for (const page of [first, second]) {
     await page.locator("#ui-plots .plot").first().waitFor();
-    await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.1);
+    await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.01);
   }
   await screenshot(second, "viewer");
+  // It looks back, by the button and by the key of the run, while the run of the first one goes on.
+  await second.locator("#ui-back").click();
+  await second.keyboard.press("F5");
+  await second.locator("#ui-time", { hasText: / of / }).waitFor();
+  const gone = await first.locator("#ui-time").textContent();
+  await first.waitForFunction((before) => document.querySelector("#ui-time").textContent !== before, gone);
+  assert.equal(await second.locator("#ui-run-note.bad").count(), 0);
   await second.getByRole("button", { name: "Take control" }).click();
-  await first.getByText("Another page controls the program.").waitFor();
-  await second.locator("#ui-run-button:enabled").waitFor();
+  await first.locator("#ui-hand-note", { hasText: /Page \d+ controls the program/ }).waitFor();
+  await second.locator("#ui-run-button:enabled", { hasText: "Pause" }).waitFor();
   await first.close();
   await second.close();
 });

@@ -115,3 +115,23 @@ test("a run whose engine is gone has ended", async () => {
   assert.equal(session.stalled, undefined);
   assert.match(session.ended?.text ?? "", /its engine is gone/);
 });
+
+test("a page that watches looks back while the run goes on, and asks the engine for nothing", async () => {
+  const asked: string[] = [];
+  const { session, frame } = made((method) => asked.push(method));
+  session.controls = false;
+  await session.follow(STARTED);
+  frame(2);
+  frame(4);
+  await session.pause();
+  session.look(2);
+  await session.step();
+  frame(6);
+  assert.equal(session.shown, 2);
+  assert.equal(session.recording.now, 6);
+  session.look(6);
+  assert.equal(session.live, true);
+  assert.equal(session.phase, "playing");
+  await session.leave();
+  assert.deepEqual(asked, []);
+});

@@ -52,6 +52,8 @@ def test_the_first_page_controls_and_others_see(tmp_path: Path) -> None:
             "able": {"save": True},
             "program": {"files": {"a.csp": "process A() = SKIP\n"}, "main": "a.csp"},
             "hand": False,
+            "page": 2,
+            "held_by": 1,
             "viewers": 2,
         }
         with pytest.raises(RuntimeError, match="another page controls"):
