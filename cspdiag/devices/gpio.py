@@ -105,7 +105,8 @@ def found() -> list[str]:
     for chip in _chips():
         with gpiod.Chip(chip) as opened:
             information = opened.get_info()
-            lines.append(f"{chip}: {information.label}, {information.num_lines} lines")
+            count = f"{information.num_lines} line{'s' * (information.num_lines != 1)}"
+            lines.append(f"{chip}: {information.label}, {count}")
     return lines
 
 

@@ -104,7 +104,8 @@ class _Packed:
         except struct.error as error:
             raise DeviceError(f"{self._parameter}: {error}") from None
         if count != len(self._ports):
-            raise DeviceError(f"{self._parameter} has {count} values for {len(self._ports)} ports")
+            wanted = "one port" if len(self._ports) == 1 else f"{len(self._ports)} ports"
+            raise DeviceError(f"{self._parameter} has {count} value{'s' * (count != 1)} for {wanted}")
 
     def unpacked(self, data: bytes) -> dict[str, Any]:
         """The values by port. Raises DeviceError for data of another size."""

@@ -1,4 +1,4 @@
-"""The wording of types and of conversions between them, for messages."""
+"""The wording of types, of conversions between them and of numbers of things, for messages."""
 
 from __future__ import annotations
 
@@ -16,6 +16,11 @@ def noun(found: Type) -> str:
 def with_article(text: str) -> str:
     """``an int``, ``a uint8``."""
     return f"an {text}" if text[0] in "aeioAEIO" else f"a {text}"
+
+
+def counted(number: int, noun: str) -> str:
+    """``one state``, ``3 states``."""
+    return f"one {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def waited_for(node: ast.Wait | ast.TimeGuard) -> str:

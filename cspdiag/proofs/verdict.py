@@ -12,11 +12,6 @@ from cspdiag.base.record import record
 ONE_REACHABLE = "the only reachable state"
 
 
-def counted(number: int, noun: str) -> str:
-    """``one state``, ``3 states``."""
-    return f"one {noun}" if number == 1 else f"{number} {noun}s"
-
-
 Method: TypeAlias = Literal["rules", "sat", "invariants", "stubborn", "minimization", "breadth-first", "spin"]
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.errors import ArgumentError, file_errors, missing_package
 from cspdiag.base.files.whole import whole_file
+from cspdiag.model.wording import counted
 from cspdiag.sweep.axes import Cell, Grid
 from cspdiag.sweep.columns import cells_of, columns_of, csv_lines, units_of
 from cspdiag.sweep.measures import Measures
@@ -36,7 +37,7 @@ class Sweep:
         return len(self._results)
 
     def __repr__(self) -> str:
-        return f"<Sweep of {len(self)} runs: {self.summary()}>"
+        return f"<Sweep of {counted(len(self), 'run')}: {self.summary()}>"
 
     def summary(self) -> str:
         """How many runs ended in which way, in one line."""

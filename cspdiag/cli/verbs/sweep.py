@@ -195,6 +195,7 @@ def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None
     from cspdiag.base.errors import MissingPackageError
     from cspdiag.cli.support.runs.sweep_progress import SweepProgress
     from cspdiag.codegen import target_errors
+    from cspdiag.model.wording import counted
     from cspdiag.simulate.native.build import CompilerError
     from cspdiag.sweep.cluster import ClusterError
     from cspdiag.sweep.execute import Jobs, make_runs, processors, source_of_runs
@@ -231,13 +232,13 @@ def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None
     if not arguments.quiet:
         seconds = time.monotonic() - began - jobs.seconds
         built = f" after {jobs.seconds:.3g} s of compiling" if jobs.compiled else ""
-        say(f"{len(missing)} runs in {seconds:.3g} s{built}, {sweep.made}: {sweep.summary()}")
+        say(f"{counted(len(missing), 'run')} in {seconds:.3g} s{built}, {sweep.made}: {sweep.summary()}")
     return sweep
 
 
 def _say_interrupted(done: int, total: int, partial: PartialTable | None) -> None:
     if not done:
-        say(f"cspdiag: interrupted before the first of {total} runs")
+        say("cspdiag: interrupted before the first run")
     elif partial is None:
         say(f"cspdiag: interrupted after {done} of {total} runs; with -o FILE, they would be kept for --resume")
     else:

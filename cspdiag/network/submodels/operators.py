@@ -17,6 +17,7 @@ from typing import get_args
 from cspdiag.base import Report, Span
 from cspdiag.base.record import node
 from cspdiag.model.types import ArrayType, RealType, Type
+from cspdiag.model.wording import counted
 from cspdiag.network.diagnostics.operators import (
     ImproperTransfer,
     NotDiscretized,
@@ -259,7 +260,7 @@ def _statespace(draft: Draft, use: Application, report: Report) -> Expression | 
     u = _simple(draft, use, "input", use.arguments["x"])
     inputs = [entry(u, k) for k in range(m)] if isinstance(u.type, ArrayType) else [u]
     if len(inputs) != m:
-        report.add(WrongShape(use.span, f"B has {m} columns, but there are {len(inputs)} inputs"))
+        report.add(WrongShape(use.span, f"B has {counted(m, 'column')}, but x is of {counted(len(inputs), 'input')}"))
         return None
     zero = number(0.0, RealType())
     states = [_state(draft, use, f"{use.base}_state_{k + 1}", RealType(), zero) for k in range(n)]

@@ -79,7 +79,8 @@ def explain_fusion(network: Network) -> tuple[str, ...]:
     except NotStaticError as reason:
         return (f"{network.top} is not one process: {reason}",)
     processes = len(network.instances) - 1
-    return (f"{network.top} is one process, with the {processes} processes inside it fused by their schedule",)
+    inside = "process" if processes == 1 else f"{processes} processes"
+    return (f"{network.top} is one process, with the {inside} inside it fused by their schedule",)
 
 
 def fused(network: Network) -> Network:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from cspdiag.base.record import replaced
+from cspdiag.model.wording import counted
 from cspdiag.proofs.properties.livelock import livelock_free
 from cspdiag.proofs.reduce.reduction import is_large, seen_from_outside
 from cspdiag.proofs.refine.followed import Followed, Searched, followed
@@ -21,7 +22,7 @@ from cspdiag.proofs.refine.words import ended_too_soon, forbidden_event, forbidd
 from cspdiag.proofs.search.all_states import has_vectors
 from cspdiag.proofs.search.traces import end_of
 from cspdiag.proofs.transitions.systems.system import INTERNAL, System
-from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict, counted
+from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
 
 
 def refines_in_traces(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cspdiag.model.wording import counted
 from cspdiag.proofs.rules import forms as rules_forms
 from cspdiag.proofs.rules.runs import PeriodicRun, at_rest, first_unsteady, moves_of, only_run
 from cspdiag.proofs.search.stuck_sets import OffersByState
 from cspdiag.proofs.structure.question import StuckQuestion
-from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict, counted
+from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
 
 MOST_MOVES = 1_000_000
 """A run that has not returned to a known state after this number of moves is left to other methods."""

@@ -150,5 +150,5 @@ def _parts(value: Any, size: int) -> list[Any]:
     ordered = hasattr(type(value), "__iter__") and hasattr(type(value), "__getitem__")
     parts = list(value) if ordered and not isinstance(value, str | bytes | dict) else None
     if parts is None or len(parts) != size:
-        raise TypeError(f"{_shown(value)} is no sequence of {size} values")
+        raise TypeError(f"{_shown(value)} is no sequence of {size} value{'s' * (size != 1)}")
     return parts

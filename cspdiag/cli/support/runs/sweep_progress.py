@@ -83,7 +83,7 @@ class SweepProgress(_Line):
         made = self._done - self._known
         left = self._total - self._done
         rest = f", {_shown(elapsed / made * left)} left" if elapsed > 0 and made > 1 else ""
-        return f"{self._done} of {self._total} runs{rest}"
+        return f"{self._done} of {self._total} run{'s' if self._total != 1 else ''}{rest}"
 
 
 def _shown(seconds: float) -> str:

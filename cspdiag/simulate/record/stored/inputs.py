@@ -32,6 +32,7 @@ from cspdiag.network.lower.distinct_names import DistinctNames
 from cspdiag.network.lower.environments import grid_of, opposite_port
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.simulate.record.stored.described import RecordedPort, head_of
+from cspdiag.simulate.record.stored.fitting import NoValueError, fitted
 from cspdiag.simulate.record.stored.parameters import recorded_changes
 from cspdiag.simulate.record.stored.recording import InputsError, StoredRecording, plain
 
@@ -72,13 +73,16 @@ class RecordedInputs:
         """What the inputs are given, in order of time."""
         return merge(*(self._of(index) for index in range(len(self.ports))), key=itemgetter(0))
 
+    def _as_values(self, values: numpy.ndarray, port: ExternalPort) -> numpy.ndarray:
+        return values if self.recording.typed else fitted(values, port.name, port.type)
+
     def _of(self, index: int) -> Iterator[Change]:
         port = self.ports[index]
         name = [known.name for known in self.recording.head.ports].index(port.name)
         last = self.initial[index]
         for blocks in self.recording.blocks((name,)):
             for block in blocks:
-                for time, value in zip(block.time.tolist(), plain(block.value), strict=True):
+                for time, value in zip(block.time.tolist(), plain(self._as_values(block.value, port)), strict=True):
                     if port.sampling is not None:
                         yield time, index, value
                         continue
@@ -145,6 +149,8 @@ def recorded_inputs(network: CoreNetwork, environment: Environment, recording: S
                 f"{recording.path}: {found.name} is a {found.type}, and the input {where} a {wanted.type}"
             )
         times, values = recording.values(port.name)
+        if not recording.typed:
+            values = _fitted(recording, times, values, port)
         count += len(times)
         if wanted.period:
             _require_ticks(recording, times, wanted, where)
@@ -167,6 +173,17 @@ def _require_same(recording: StoredRecording, found: RecordedPort, wanted: Recor
         raise InputsError(
             f"{recording.path}: {found.name} has {_rhythm(found)}, and the input {where} {_rhythm(wanted)}"
         )
+
+
+def _fitted(
+    recording: StoredRecording, times: numpy.ndarray, values: numpy.ndarray, port: ExternalPort
+) -> numpy.ndarray:
+    try:
+        return fitted(values, port.name, port.type)
+    except NoValueError as problem:
+        raise InputsError(
+            f"{recording.path}: {problem.name} at {shown(int(times[problem.position]))}: {problem}"
+        ) from None
 
 
 def _may_be(found: Type, wanted: Type) -> bool:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 import os
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cspdiag.base.errors import missing_package
 from cspdiag.model.types import (
@@ -27,8 +26,10 @@ from cspdiag.model.types import (
     Type,
     UnknownType,
 )
+from cspdiag.model.wording import counted
 from cspdiag.simulate.record.leaves import leaves
 from cspdiag.simulate.record.stored.described import RecordedPort, RecordingHead, head_from
+from cspdiag.simulate.record.stored.fitting import NoValueError, as_values
 from cspdiag.simulate.record.stored.parameters import PARAMETERS
 from cspdiag.simulate.record.stored.recording import RecordingError, StoredRecording, assembled
 from cspdiag.simulate.record.streamed.blocks import Block
@@ -98,7 +99,8 @@ def _of_array(values: Any, instants: Any, path: str, name: str) -> Type:
         raise RecordingError(f"{path}: {name}.time is no array of instants in seconds")
     if values.ndim == 0 or len(values) != len(instants):
         count = 1 if values.ndim == 0 else len(values)
-        raise RecordingError(f"{path} has {len(instants)} instants {name}.time, and {count} values of {name}")
+        there = f"{counted(len(instants), 'instant')} {name}.time"
+        raise RecordingError(f"{path} has {there}, and {counted(count, 'value')} of {name}")
     if (numpy.diff(instants) < 0).any():
         raise RecordingError(f"{path}: the instants {name}.time are not in their order")
     kind = _of_dtype(values.dtype, path, name)
@@ -140,7 +142,7 @@ def open_table(path: str, ports: Sequence[RecordedPort] | None = None) -> Stored
     reader = _Table(path, columns, head)
     last = 0
     for part in reader.rows():
-        last = part[-1][0]
+        last = part[-1].time
     names = tuple(columns[1:])
     return StoredRecording(path, "table", head, reader.read, _is_whole(path), "", last, typed=False, columns=names)
 
@@ -202,6 +204,14 @@ def _guessed(file: Any, columns: Sequence[str]) -> dict[str, Type]:
     return {name: EnumType(name, tuple(names[name])) if name in names else kinds.get(name, DOUBLE) for name in columns}
 
 
+class _Row(NamedTuple):
+    """A row that is whole; ``line`` is its number in the file, ``time`` in nanoseconds."""
+
+    line: int
+    time: int
+    cells: list[str]
+
+
 class _Table:
     """Rows of a table that are values: a cell that differs from the one above it is a new one; of a sampled port every
     tick has one.
@@ -212,11 +222,11 @@ class _Table:
         self._columns = list(columns)
         self._head = head
 
-    def rows(self) -> Iterator[list[tuple[int, list[str]]]]:
-        """Instants and cells, part by part. A last row that was cut is left out."""
-        part: list[tuple[int, list[str]]] = []
+    def rows(self) -> Iterator[list[_Row]]:
+        """The rows, part by part. A last row that was cut is left out."""
+        part: list[_Row] = []
         width = len(self._columns)
-        before = -math.inf
+        before = 0
         with open(self._path, newline="", encoding=_ENCODING) as file:
             next(file)
             for number, line in enumerate(file, 2):
@@ -225,12 +235,14 @@ class _Table:
                 cells = next(csv.reader([line], skipinitialspace=True), [])
                 try:
                     if len(cells) != width:
-                        raise ValueError(f"{len(cells)} cells, and there are {width} columns")
+                        raise ValueError(f"{counted(len(cells), 'cell')} for {counted(width, 'column')}")
                     time = round(float(cells[0]) * 1e9)
+                    if not 0 <= time <= IntType().maximum:
+                        raise ValueError(f"{cells[0]} s is no time of a run")
                     if time < before:
                         raise ValueError(f"its time, {cells[0]} s, is before that of the row above it")
                     before = time
-                    part.append((time, cells))
+                    part.append(_Row(number, time, cells))
                 except (ValueError, OverflowError) as problem:
                     raise RecordingError(f"{self._path}:{number}: is no row of a recording: {problem}") from None
                 if len(part) == _ROWS:
@@ -250,28 +262,41 @@ class _Table:
                     found.append(block)
             yield found
 
-    def _block(self, position: int, part: list[tuple[int, list[str]]], last: dict[int, list[str]]) -> Block:
+    def _block(self, position: int, part: Sequence[_Row], last: dict[int, list[str]]) -> Block:
         import numpy
 
         port = self._head.ports[position]
         own = [(self._columns.index(name), kind) for name, kind, _ in leaves(port.name, port.type)]
-        times, kept = [], []
+        kept = []
         before = last.get(position)
-        for time, cells in part:
-            present = [cells[column] for column, _ in own]
-            is_tick = port.period > 0 and (time - port.offset) % port.period == 0
+        for row in part:
+            present = [row.cells[column] for column, _ in own]
+            is_tick = port.period > 0 and (row.time - port.offset) % port.period == 0
             if all(present) and (present != before or (is_tick and port.direction == "in")):
-                times.append(time)
-                kept.append(present)
+                kept.append(row)
             before = present
         if before is not None:
             last[position] = before
+        values = assembled([self._numbers(column, kind, kept) for column, kind in own], port.type, len(kept))
+        return Block(position, numpy.array([row.time for row in kept], numpy.int64), values)
+
+    def _numbers(self, column: int, kind: Type, rows: Sequence[_Row]) -> numpy.ndarray:
+        """The cells of a column as values. Raises RecordingError for the first that is none."""
+        import numpy
+
+        numbers = []
+        for row in rows:
+            try:
+                numbers.append(_number(row.cells[column], kind))
+            except ValueError as problem:
+                raise self._no_value(column, row, problem) from None
         try:
-            numbers = [numpy.array([_number(cells[at], kind) for cells in kept]) for at, (_, kind) in enumerate(own)]
-            values = assembled(numbers, port.type, len(kept))
-        except (ValueError, OverflowError) as problem:
-            raise RecordingError(f"{self._path}: column {port.name} is no {port.type}: {problem}") from None
-        return Block(position, numpy.array(times, numpy.int64), values)
+            return as_values(numpy.array(numbers), kind)
+        except NoValueError as problem:
+            raise self._no_value(column, rows[problem.position], problem) from None
+
+    def _no_value(self, column: int, row: _Row, problem: ValueError) -> RecordingError:
+        return RecordingError(f"{self._path}:{row.line}: column `{self._columns[column]}`: {problem}")
 
 
 def _number(cell: str, kind: Type) -> Any:
@@ -285,11 +310,18 @@ def _number(cell: str, kind: Type) -> Any:
                 raise ValueError(f"{cell!r} is none of {', '.join(literals)}")
             return literals.index(cell)
         case RealType():
-            return float(cell)
+            return _read(float, cell, "number")
         case IntType() | TimeType():
-            return int(cell)
+            return _read(int, cell, "whole number")
         case StructType() | ArrayType() | TextType() | UnknownType():
             raise ValueError(f"{kind} is not one number")
+
+
+def _read(number: Callable[[str], float], cell: str, what: str) -> float:
+    try:
+        return number(cell)
+    except ValueError:
+        raise ValueError(f"{cell[:60]!r} is no {what}") from None
 
 
 def open_parquet(path: str) -> StoredRecording:
@@ -302,11 +334,18 @@ def open_parquet(path: str) -> StoredRecording:
     try:
         with parquet.ParquetFile(path) as file:
             about = json.loads((file.schema_arrow.metadata or {})[b"cspdiag"])
+            columns = file.schema_arrow.names
         head = head_from(about["cspdiag"])
     except pyarrow.ArrowException as problem:
         raise RecordingError(f"{path} is no Parquet file, or was cut: {problem}") from None
     except (KeyError, ValueError, TypeError):
         raise RecordingError(f"{path} is not a recording of cspdiag: it does not say what its signals are") from None
+
+    wanted = ["time", *(name for port in head.ports for name, _, _ in leaves(port.name, port.type))]
+    missing = [name for name in wanted if name not in columns]
+    if missing:
+        word = "column" if len(missing) == 1 else "columns"
+        raise RecordingError(f"{path} has no {word} {', '.join(missing)}; it has: {', '.join(columns)}")
 
     def read(positions: Sequence[int]) -> Iterator[Sequence[Block]]:
         with parquet.ParquetFile(path, page_checksum_verification=True) as file:

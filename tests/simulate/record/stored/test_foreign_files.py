@@ -9,6 +9,7 @@ import numpy
 import pytest
 
 from cspdiag.cli.main import main
+from cspdiag.simulate.native.build import CompilerError, find_compiler
 
 PROGRAM = """
 process Main {
@@ -66,10 +67,14 @@ def test_tables_of_other_programs_have_inputs(tmp_path: Path, table: bytes) -> N
             ":3: is no row of a recording: its time, 0.01 s, is before that of",
         ),
         (f"{HEADER}\n", " has no values"),
-        (f"{HEADER}\n0.01,high,2,3,4\n", ": column level is no double: could not convert string to float: 'high'"),
-        (f"{HEADER}\n0.01,1,2,3\n", ":2: is no row of a recording: 4 cells, and there are 5 columns"),
+        (f"{HEADER}\n0.01,1,2,3,4\n0.02,high,2,3,4\n", ":3: column `level`: 'high' is no number"),
+        (f"{HEADER}\n0.01,1,2,x,4\n", ":2: column `gyro[1]`: 'x' is no number"),
+        (f"{HEADER}\n0.01,1,2,3,4.5\n", ":2: column `go`: '4.5' is no whole number"),
+        (f"{HEADER}\n-0.01,1,2,3,4\n", ":2: is no row of a recording: -0.01 s is no time of a run"),
+        (f"{HEADER}\n1e30,1,2,3,4\n", ":2: is no row of a recording: 1e30 s is no time of a run"),
+        (f"{HEADER}\n0.01,1,2,3\n", ":2: is no row of a recording: 4 cells for 5 columns"),
     ],
-    ids=["semicolons", "tabs", "twice", "order", "empty", "text", "ragged"],
+    ids=["semicolons", "tabs", "twice", "order", "empty", "text", "element", "fraction", "negative", "late", "ragged"],
 )
 def test_a_table_that_cannot_be_right_is_refused(
     tmp_path: Path, text: str, reason: str, capsys: pytest.CaptureFixture[str]
@@ -100,7 +105,7 @@ def test_archives_of_other_programs_have_inputs(tmp_path: Path) -> None:
     ("name", "array", "reason"),
     [
         ("level", numpy.array([1.0, 2.0, 3.0]), " has 2 instants level.time, and 3 values of level"),
-        ("level", numpy.array(1.0), " has 2 instants level.time, and 1 values of level"),
+        ("level", numpy.array(1.0), " has 2 instants level.time, and one value of level"),
         ("level", numpy.array([[1.0, 2.0], [3.0, 4.0]]), ": level is a double[2], and the input `level` ("),
         ("gyro", numpy.array([1.0, 2.0]), ": gyro is a double, and the input `gyro` ("),
         ("go", numpy.array([0.5, 1.5]), ": go is a double, and the input `go` ("),
@@ -116,3 +121,99 @@ def test_an_archive_that_cannot_be_right_is_refused(
     assert given(tmp_path, archive(tmp_path, **{name: array})) == 1
     assert f"in.npz{reason}" in capsys.readouterr().err
     assert not (tmp_path / "out.csv").exists()
+
+
+NARROW = """
+enum Mode { off, on }
+
+process Main {
+  in  level : float @ 10 ms
+  in  count : uint8 @ 10 ms
+  in  mode  : Mode @ 10 ms
+  out valve : double @ 10 ms safe 0
+
+  communication {
+    var height : float = 0
+    var number : uint8 = 0
+    var chosen : Mode  = Mode.off
+  }
+
+  composition {
+    mu (level ? height -> count ? number -> mode ? chosen -> valve ! double(height) + double(number))
+  }
+}
+"""
+
+
+def narrow(folder: Path, target: str, inputs: Path) -> int:
+    (folder / "main.csp").write_text(NARROW)
+    if target == "c":
+        try:
+            find_compiler()
+        except CompilerError as problem:
+            pytest.skip(str(problem))
+    record = ["--record", str(folder / f"{target}.csv")]
+    return main(["run", str(folder / "main.csp"), "--target", target, "--inputs", str(inputs), *record])
+
+
+def narrow_archive(folder: Path, **changed: Any) -> Path:
+    time = numpy.array([0.01, 0.02])
+    arrays = {"level": numpy.array([0.1, 0.2]), "count": numpy.array([1, 255]), "mode": numpy.array([0, 1])} | changed
+    numpy.savez(folder / "in.npz", **arrays, **{f"{name}.time": time for name in arrays})
+    return folder / "in.npz"
+
+
+def test_numbers_of_double_precision_are_rounded_for_a_float(tmp_path: Path) -> None:
+    (tmp_path / "in.csv").write_text("time,level,count,mode\n0.01,0.1,1,off\n0.02,0.2,255,on\n")
+    for inputs in (tmp_path / "in.csv", narrow_archive(tmp_path)):
+        for target in ("python", "c"):
+            assert narrow(tmp_path, target, inputs) == 0
+            assert (tmp_path / f"{target}.csv").read_text().splitlines()[1:] == [
+                "0.01,0.10000000149011612,1,off,", "0.02,0.20000000298023224,255,on,0.0",
+            ]  # fmt: skip
+
+
+@pytest.mark.parametrize("target", ["python", "c"])
+@pytest.mark.parametrize(
+    ("row", "reason"),
+    [
+        ("0.1,256,on", "column `count`: 256 is no uint8: those are from 0 to 255"),
+        ("0.1,-1,on", "column `count`: -1 is no uint8"),
+        (f"0.1,{10**30},on", f"column `count`: {10**30} is no uint8"),
+        ("1e39,1,on", "column `level`: 1e+39 is no float"),
+        ("0.1,1,open", "column `mode`: 'open' is none of off, on"),
+    ],
+)
+def test_a_cell_that_is_no_value_of_its_input_is_refused(
+    tmp_path: Path, row: str, reason: str, target: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "in.csv").write_text(f"time,level,count,mode\n0.01,0.1,1,off\n0.02,{row}\n")
+    assert narrow(tmp_path, target, tmp_path / "in.csv") == 1
+    assert f"in.csv:3: {reason}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "array", "reason"),
+    [
+        ("count", numpy.array([1, 256]), "count at 20 ms: 256 is no uint8: those are from 0 to 255"),
+        ("count", numpy.array([-1, 256]), "count at 10 ms: -1 is no uint8"),
+        ("level", numpy.array([1e39, 0]), "level at 10 ms: 1e+39 is no float"),
+        ("mode", numpy.array([0, 2]), "mode at 20 ms: 2 is no Mode: those are 0 (off), 1 (on)"),
+    ],
+)
+def test_an_element_that_is_no_value_of_its_input_is_refused(
+    tmp_path: Path, name: str, array: Any, reason: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert narrow(tmp_path, "python", narrow_archive(tmp_path, **{name: array})) == 1
+    assert f"in.npz: {reason}" in capsys.readouterr().err
+
+
+def test_a_parquet_file_without_a_column_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    assert given(tmp_path, archive(tmp_path)) == 0
+    path = str(tmp_path / "run.parquet")
+    assert main(["run", str(tmp_path / "main.csp"), "--inputs", str(tmp_path / "in.npz"), "--record", path]) == 0
+    table = parquet.read_table(path)
+    parquet.write_table(table.drop_columns(["gyro[1]"]), path)
+    assert main(["run", str(tmp_path / "main.csp"), "--inputs", path]) == 1
+    assert "run.parquet has no column gyro[1]; it has: time, level, gyro[0], go, valve" in capsys.readouterr().err
