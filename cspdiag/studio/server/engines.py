@@ -12,6 +12,7 @@ from contextlib import suppress
 from typing import Any, Final
 
 from cspdiag.base.errors import CspdiagError, file_error
+from cspdiag.studio.server.terminal import LentTerminal
 
 MOST_BYTES: Final = 256 * 1024 * 1024
 """Of one message of an engine: the recording of a long run."""
@@ -31,7 +32,8 @@ class EngineNotStartedError(CspdiagError):
 class EngineProcess:
     """An engine that is asked by ``request`` and reports each notification to ``on_notification``, as text.
 
-    ``on_end`` is called if it ends by itself, and begins again when it is asked.
+    ``on_end`` is called if it ends by itself, and begins again when it is asked. One that ``uses_terminal`` has that of
+    the server for the programs that it runs.
     """
 
     def __init__(
@@ -40,11 +42,14 @@ class EngineProcess:
         folder: str,
         on_notification: Callable[[str, dict[str, Any]], None] = lambda text, message: None,
         on_end: Callable[[], None] = lambda: None,
+        *,
+        uses_terminal: bool = False,
     ) -> None:
         self._command = command
         self._folder = folder
         self._on_notification = on_notification
         self._on_end = on_end
+        self._uses_terminal = uses_terminal
         self._process: Process | None = None
         self._reader: asyncio.Task[None] | None = None
         self._waiting: dict[int, asyncio.Future[dict[str, Any]]] = {}
@@ -75,6 +80,7 @@ class EngineProcess:
             self._waiting.pop(number, None)
 
     async def _start(self) -> Process:
+        terminal = LentTerminal() if self._uses_terminal else None
         try:
             process = await asyncio.create_subprocess_exec(
                 *self._command,
@@ -83,15 +89,15 @@ class EngineProcess:
                 cwd=self._folder,
                 limit=MOST_BYTES,
                 start_new_session=True,  # What is typed to end the server is not for its engines, which it ends itself.
-                env={**os.environ, **_terminal()},
+                env={**os.environ, **({} if terminal is None else terminal.variables)},
             )
         except OSError as problem:
             raise EngineNotStartedError(str(file_error(problem))) from None
         self._process = process
-        self._reader = asyncio.create_task(self._read(process))
+        self._reader = asyncio.create_task(self._read(process, terminal))
         return process
 
-    async def _read(self, process: Process) -> None:
+    async def _read(self, process: Process, terminal: LentTerminal | None) -> None:
         assert process.stdout is not None
         try:
             # A process that is killed may end in the middle of a message.
@@ -109,6 +115,8 @@ class EngineProcess:
             for answer in self._waiting.values():
                 if not answer.done():
                     answer.set_exception(EngineGoneError())
+            if await process.wait() < 0 and terminal is not None:
+                terminal.restore()
 
     def _take(self, line: str) -> bool:
         """Pass a message on; whether it is an answer."""
@@ -139,15 +147,6 @@ class EngineProcess:
         await process.wait()
         if self._reader is not None:
             await self._reader
-
-
-def _terminal() -> dict[str, str]:
-    """The terminal in whose foreground the server runs: its keys are those of the device "keyboard"."""
-    for stream in (0, 1, 2):
-        with suppress(OSError):
-            if os.tcgetpgrp(stream) == os.getpgrp():
-                return {"CSPDIAG_TERMINAL": os.ttyname(stream)}
-    return {}
 
 
 ENGINE: Final = (sys.executable, "-P", "-m", "cspdiag.studio.engine")

@@ -148,7 +148,9 @@ class Room:
         return message["result"]
 
     def _new_session(self) -> EngineProcess:
-        return EngineProcess(self._command, self._files.command_folder, self._notify, self._session_gone)
+        return EngineProcess(
+            self._command, self._files.command_folder, self._notify, self._session_gone, uses_terminal=True
+        )
 
     def _notify(self, text: str, message: dict[str, Any]) -> None:
         """Passes a notification of the session on to all pages."""

@@ -11,6 +11,8 @@ import termios
 import time
 from pathlib import Path
 
+import pytest
+
 from cspdiag.studio.server.engines import EngineProcess
 
 CUT = """\
@@ -35,7 +37,7 @@ process Main {
 environment Hand for Main on miss count { keys : Keys  keys.x -> x  level -> _ }
 """
 SERVER = """\
-import asyncio, fcntl, os, sys, termios
+import asyncio, fcntl, os, signal, sys, termios
 from cspdiag.studio.server.engines import ENGINE, EngineProcess
 
 async def run():
@@ -48,12 +50,15 @@ async def run():
         if any(value > 0.1 for value in values):
             moved.set()
 
-    engine = EngineProcess(ENGINE, os.getcwd(), notified)
+    engine = EngineProcess(ENGINE, os.getcwd(), notified, uses_terminal=True)
     program = {"files": {"a.csp": sys.argv[1]}, "main": "a.csp"}
     answer = await engine.request("start", {**program, "environment": "Hand", "real_time": True})
     print(answer.get("error", "started"), flush=True)
     await asyncio.wait_for(moved.wait(), 20)
     print("moved", flush=True)
+    if sys.argv[2] == "killed":
+        os.kill(engine._process.pid, signal.SIGKILL)
+        await engine._reader
     await engine.end()
 
 fcntl.ioctl(0, termios.TIOCSCTTY, 0)
@@ -61,9 +66,11 @@ asyncio.run(run())
 """
 
 
-def test_the_keys_of_the_terminal_of_the_server_reach_programs(tmp_path: Path) -> None:
+@pytest.mark.parametrize("how", ["ended", "killed"])
+def test_the_keys_of_the_terminal_of_the_server_reach_programs(tmp_path: Path, how: str) -> None:
     terminal, its_own = pty.openpty()
-    command, streams = [sys.executable, "-c", SERVER, KEYS], {"stdin": its_own, "stdout": its_own, "stderr": its_own}
+    command = [sys.executable, "-c", SERVER, KEYS, how]
+    streams = {"stdin": its_own, "stdout": its_own, "stderr": its_own}
     server = subprocess.Popen(command, cwd=tmp_path, start_new_session=True, **streams)
     said = b""
     try:
