@@ -110,7 +110,7 @@ class PeriodSimulation:
         size = len(self.index_of)
         return OpenLoop(
             self.cut,
-            self.period * 1e-9,
+            self.period / 1e9,
             a[:, :size],
             a[:, size:],
             self.computed[None, :size],
@@ -222,7 +222,7 @@ class PeriodSimulation:
         row = [self.state[path, leaf] for leaf in states]
         row += [self._value(program.net_of.get((path, name)), indexes) for name, indexes in law.inputs]
         outputs = [combined(weights, row, self.zero) for weights in law.outputs]
-        following = advanced(law, row, program.search.period(path) * 1e-9, self.zero)
+        following = advanced(law, row, program.search.period(path) / 1e9, self.zero)
         for leaf, value in zip(states, following, strict=True):
             self.state[path, leaf] = value
         for leaf, value in zip(law.output_names, outputs, strict=True):
@@ -277,7 +277,7 @@ class PeriodSimulation:
         key = duration, steps, times
         if key not in self._moves:
             unit = list(numpy.eye(len(keys)))
-            moved = advanced(plant, unit, duration * 1e-9, numpy.zeros(len(keys)))
+            moved = advanced(plant, unit, duration / 1e9, numpy.zeros(len(keys)))
             kept = 0 if steps else len(plant.discrete)
             once = numpy.array([*unit[:kept], *moved[kept:], *unit[len(moved) :]])
             self._moves[key] = numpy.linalg.matrix_power(once, times)

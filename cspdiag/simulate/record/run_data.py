@@ -141,4 +141,4 @@ def signal_of(run: RunData, port: ExternalPort) -> Signal:
 def _signal(history: History, type_: Type) -> Signal:
     import numpy
 
-    return Signal(numpy.asarray(history.time).astype(float) * 1e-9, history.array(type_), type_)
+    return Signal(numpy.asarray(history.time).astype(float) / 1e9, history.array(type_), type_)

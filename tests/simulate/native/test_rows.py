@@ -241,7 +241,7 @@ def test_channels_are_in_the_order_of_their_first_communication(program: cspdiag
     assert internal == [name for name in first if name in internal]
     assert (
         native_run.signals["feedback_vertical"].time.tolist()
-        == (numpy.array(array("q", range(1_000_000, 2_000_000_001, 1_000_000)), dtype=float) * 1e-9).tolist()
+        == (numpy.array(array("q", range(1_000_000, 2_000_000_001, 1_000_000)), dtype=float) / 1e9).tolist()
     )
 
 

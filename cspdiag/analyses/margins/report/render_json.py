@@ -35,7 +35,7 @@ def as_json(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | 
         }
         if periods and loop.opened.cut.name in periods:
             period, constant = periods[loop.opened.cut.name]
-            entry["largest_period"] = {"constant": constant, "period": None if period is None else period * 1e-9}
+            entry["largest_period"] = {"constant": constant, "period": None if period is None else period / 1e9}
         loops.append(entry)
     refusals = [{"name": part.law, "reason": part.reason, **place(part.span)} for part in report.refusals]
     return {"environment": report.environment, "loops": loops, "refusals": refusals}

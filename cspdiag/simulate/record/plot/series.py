@@ -91,7 +91,7 @@ def _of_port(run: RunData, port: ExternalPort) -> Iterator[Series]:
     for name, kind, _ in leaves(port.name, port.type):
         value = _part(signal.value, name[len(port.name) :])
         if isinstance(kind, TimeType):
-            value = value * 1e-9
+            value = value / 1e9
         yield Series(name, port.name, kind, signal.time, value, unread, port.sampling is None, port.direction == "out")
 
 

@@ -41,7 +41,7 @@ def write_archive(recording: StoredRecording, file: PartFile) -> None:
 
 
 def _seconds(block: Block) -> numpy.ndarray:
-    seconds: numpy.ndarray = block.time.astype(float) * 1e-9
+    seconds: numpy.ndarray = block.time.astype(float) / 1e9
     return seconds
 
 

@@ -182,6 +182,16 @@ def test_a_table_and_an_archive_are_those_of_the_whole_run(
         assert streamed[name].tobytes() == whole[name].tobytes()
 
 
+def test_instants_are_the_nearest_seconds_in_every_format(program: Path, run: Run, tmp_path: Path) -> None:
+    recorded(program, tmp_path / "run.csv")
+    recorded(program, tmp_path / "run.npz")
+    instants = numpy.load(tmp_path / "run.npz")["speed.time"].tolist()
+    assert instants == [tick / 1000 for tick in range(1, len(instants) + 1)]
+    assert run.time("speed").tolist() == instants
+    rows = (tmp_path / "run.csv").read_text().splitlines()[1:]
+    assert {row.partition(",")[0] for row in rows} >= {repr(instant) for instant in instants}
+
+
 def test_units_types_and_periods_are_in_the_metadata(program: Path, tmp_path: Path) -> None:
     from mcap.reader import make_reader
     from pyarrow import parquet
