@@ -192,7 +192,8 @@ def _unit(kind: str, type_: Type) -> str:
 
 
 def measured(measures: Measures, observations: Sequence[tuple[int, int, float]], end: int) -> tuple[float | None, ...]:
-    """The values, of a run that ended at ``end`` nanoseconds; None if nothing was observed, or it did not settle.
+    """The values, of a run that ended at ``end`` nanoseconds; None if nothing was observed, it did not settle, or the
+    result is no number.
 
     ``observations`` are instants in nanoseconds, positions of signals, and values, in order. The same operations, in
     the same order, as in ``csp_sweep_measures.c``.
@@ -283,18 +284,26 @@ class Meter:
     def _hold(self, now: int) -> None:
         assert self._since is not None
         held = (now - self._since) / 1e9
+        if held <= 0:
+            return  # Not a NaN where the value, or its square, is infinite.
         if self.measure.kind in ("mean", "integral"):
             self._result += self._value * held
         elif self.measure.kind == "rms":
             self._result += (self._value * self._value) * held
 
     def result(self, end: int) -> float | None:
-        """The measure of a run that ended at ``end`` nanoseconds."""
-        from math import sqrt
+        """The measure of a run that ended at ``end`` nanoseconds; None if there is no number."""
+        from math import isnan
 
         if self._since is None:
             return None
         self._hold(end)
+        result = self._of_whole_run(end)
+        return None if result is None or isnan(result) else result
+
+    def _of_whole_run(self, end: int) -> float | None:
+        from math import sqrt
+
         length = (end - self._first) / 1e9
         match self.measure.kind:
             case "mean":

@@ -79,6 +79,9 @@ static double number_at(const void *place, uint32_t type)
 static void hold(measure *self, int64_t now)
 {
     const double held = csp_seconds(now - self->since);
+    if (held <= 0.0) {
+        return; /* not a NaN where the value, or its square, is infinite */
+    }
     switch (self->is.kind) {
     case CSP_SWEEP_MEAN:
     case CSP_SWEEP_INTEGRAL:

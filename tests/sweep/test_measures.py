@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, nan, sqrt
 from pathlib import Path
 
 import pytest
@@ -67,6 +67,17 @@ def test_the_last_value_of_an_instant_counts() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_measured_of_nothing(kind: str) -> None:
     assert of(kind, end=1) is None
+
+
+@pytest.mark.parametrize("kind", ["rms", "integral", "mean"])
+def test_what_becomes_too_large_is_infinite(kind: str) -> None:
+    large = 1e200 if kind == "rms" else 1e308
+    assert of(kind, (1, large), (2, large), (3, large), (9, large), end=9) == inf
+
+
+def test_what_is_no_number_is_nothing() -> None:
+    assert of("mean", (1, inf), (2, -inf), end=9) is None
+    assert of("last", (1, nan), end=9) is None
 
 
 def test_a_difference_is_known_when_both_are() -> None:

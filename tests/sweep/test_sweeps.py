@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -177,6 +178,23 @@ def test_how_runs_end_is_a_column(target: str) -> None:
         *("", "Fault: division by zero, in Fates (fates.csp:20)", "", "", "Broken, in Fates (fates.csp:23)"),
     ]
     assert sweep.summary() == "1 terminated, 2 failed, 1 deadlock, 1 time limit"
+
+
+LARGE = """
+parameter gain = 1.0
+process Main {
+  out p : double @ 10 ms
+  composition { mu (wait 10 ms ; p ! gain) }
+}
+environment Bench for Main { p -> _ }
+"""
+
+
+@needs_compiler
+@pytest.mark.parametrize("target", ["c", "python"])
+def test_a_measure_that_becomes_too_large_is_infinite(target: str) -> None:
+    sweep = cspdiag.parse(LARGE).sweep({"gain": "2,1e200"}, "rms(p)", until="1 s", target=target, workers=1)
+    assert [row["rms(p)"] for row in sweep.rows] == [pytest.approx(2.0), inf]
 
 
 @needs_compiler
