@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import lru_cache
 from xml.etree.ElementTree import Element, ParseError, fromstring
 
@@ -49,6 +49,8 @@ class FmuVariable:
     variability: str
     unit: FmuUnit | None = None
     is_array: bool = False
+    lacks_zero: bool = False
+    """Whether it is of an enumeration without the number 0, which inputs have before they are written."""
 
     @property
     def identifier(self) -> str:
@@ -128,6 +130,11 @@ def _description(path: str, root: Element) -> FmuDescription:
         for inner in (item, *item)
         if inner.get("unit")
     }
+    with_zero = {
+        item.attrib["name"]
+        for item in root.iterfind("TypeDefinitions/*")
+        if any(literal.get("value") == "0" for literal in item.iter("Item"))
+    }
     structure = root.find("ModelStructure")
     states = "ContinuousStateDerivative" if is_new else "Derivatives/Unknown"
     indicators = int(root.get("numberOfEventIndicators", "0"))
@@ -139,7 +146,7 @@ def _description(path: str, root: Element) -> FmuDescription:
         token=root.attrib["instantiationToken" if is_new else "guid"],
         co_simulation=_identifier(root, "CoSimulation"),
         model_exchange=_identifier(root, "ModelExchange"),
-        variables=tuple(_variables(root, is_new, units, types)),
+        variables=tuple(_variables(root, is_new, units, types, with_zero)),
         states=0 if structure is None else len(structure.findall(states)),
         indicators=indicators,
     )
@@ -168,7 +175,11 @@ def _units(root: Element) -> Iterator[tuple[str, FmuUnit | None]]:
 
 
 def _variables(
-    root: Element, is_new: bool, units: Mapping[str, FmuUnit | None], types: Mapping[str, FmuUnit | None]
+    root: Element,
+    is_new: bool,
+    units: Mapping[str, FmuUnit | None],
+    types: Mapping[str, FmuUnit | None],
+    with_zero: Collection[str],
 ) -> Iterator[FmuVariable]:
     for item in root.iterfind("ModelVariables/*"):
         inner = item if is_new else next((part for part in item if part.tag in _SCALARS), item)
@@ -183,4 +194,5 @@ def _variables(
             ),
             unit=unit,
             is_array=item.find("Dimension") is not None,
+            lacks_zero=inner.tag == "Enumeration" and inner.get("declaredType") not in with_zero,
         )

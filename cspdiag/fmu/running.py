@@ -70,7 +70,7 @@ class Fmu:
             self._inputs = [self._variable(name) for name in inputs]
         given = list(zip(self._inputs, inputs.values(), strict=True))
         if not self._is_begun:
-            library.initialize(time, [*self._parameters, *given])
+            library.initialize(time, [*self._parameters, *self._written(given)])
             if self._model_exchange:
                 self._next_event = self._after_event(library, time)
             self._is_begun = True
@@ -78,12 +78,19 @@ class Fmu:
             self._give(library, given)
             self._integrate(library, time)
         else:
-            library.give(self._time, given)
+            library.give(self._time, self._written(given))
             library.step(self._time, time - self._time)
         self._time = time
         self._given = list(inputs.values())
         values = library.take(time, self._outputs)
         return values[0] if len(values) == 1 else tuple(values)
+
+    def _written(self, given: Sequence[tuple[FmuVariable, Value]]) -> list[tuple[FmuVariable, Value]]:
+        """Inputs without enumerations that still are 0, which is none of their numbers: nobody has written them, and
+        the FMU has a value for that.
+        """
+        before = self._given or [0] * len(given)
+        return [item for item, last in zip(given, before, strict=True) if item[1] or last or not item[0].lacks_zero]
 
     # ---- Model exchange: the classical Runge-Kutta method, with events located by bisection
 

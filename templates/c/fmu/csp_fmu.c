@@ -89,23 +89,33 @@ static bool step(csp_fmu *self, double length)
     return csp_fmu_is_fine(self, status, "DoStep", self->time) && (!flags[1] || csp_fmu_has_ended(self, self->time + length));
 }
 
+/* An enumeration that still is 0, which is none of its numbers: nobody has written it, and the FMU has a value for that. */
+static bool is_unwritten(csp_fmu *self, size_t index, const void *ports)
+{
+    static const csp_fmu_value zero;
+    const csp_fmu_port *const port = &self->facts->inputs[index];
+    return port->lacks_zero && !differs(self, index, ports)
+        && (memcmp(&self->library->given[index], &zero, csp_fmu_size_of(port->member)) == 0);
+}
+
+static bool set_inputs(csp_fmu *self, const void *ports, double time)
+{
+    for (size_t index = 0U; index < self->facts->input_count; index++) {
+        if (!is_unwritten(self, index, ports)
+            && !csp_fmu_set(self, self->library->setters[index], &self->facts->inputs[index], ports, time)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool begin(csp_fmu *self, const void *ports, double time)
 {
     const csp_fmu_facts *const facts = self->facts;
     self->is_begun = true;
     return (facts->is_new || set_up(self, time)) && csp_fmu_set_all(self, facts->parameters, facts->parameter_count, ports, time)
-        && enter_initialization(self, time) && csp_fmu_set_all(self, facts->inputs, facts->input_count, ports, time)
+        && enter_initialization(self, time) && set_inputs(self, ports, time)
         && csp_fmu_call(self, "ExitInitializationMode", time) && (!facts->is_model_exchange || csp_fmu_handle_event(self, time));
-}
-
-static bool set_inputs(csp_fmu *self, const void *ports)
-{
-    for (size_t index = 0U; index < self->facts->input_count; index++) {
-        if (!csp_fmu_set(self, self->library->setters[index], &self->facts->inputs[index], ports, self->time)) {
-            return false;
-        }
-    }
-    return true;
 }
 
 static bool calculate(csp_fmu *self, void *ports, double time)
@@ -120,7 +130,7 @@ static bool calculate(csp_fmu *self, void *ports, double time)
     } else if (facts->is_model_exchange) {
         is_done = give_changed(self, ports) && csp_fmu_integrate(self, time);
     } else {
-        is_done = set_inputs(self, ports) && step(self, time - self->time);
+        is_done = set_inputs(self, ports, self->time) && step(self, time - self->time);
     }
     self->time = time;
     for (size_t index = 0U; index < facts->input_count; index++) {

@@ -30,6 +30,7 @@ typedef struct csp_fmu_port {
     csp_fmu_type member; /* in the struct */
     size_t offset;
     bool is_discrete;
+    bool lacks_zero; /* of an enumeration without the number 0, which inputs have before they are written */
 } csp_fmu_port;
 
 typedef struct csp_fmu_facts {

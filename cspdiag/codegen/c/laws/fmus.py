@@ -147,7 +147,7 @@ def _table(
         is_discrete = str(variable.variability != "continuous").lower()
         rows.append(
             f"    {{{variable.reference}U, {quoted(functions)}, {_fmu_type(functions, is_new)}, {_member(type_)}, "
-            f"offsetof(struct {name}, {types.field(port)}), {is_discrete}}},"
+            f"offsetof(struct {name}, {types.field(port)}), {is_discrete}, {str(variable.lacks_zero).lower()}}},"
         )
     return [*rows, "};", ""]
 

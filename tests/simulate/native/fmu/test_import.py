@@ -143,6 +143,28 @@ def test_inputs_and_outputs_of_all_types_pass_through(fmi: str, interface: str, 
     assert (float(last["back"]), int(last["number"])) == (4.5, 9)
 
 
+@needs_reference
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+@pytest.mark.parametrize("interface", ["", ":ModelExchange"])
+def test_an_enumeration_keeps_the_value_of_the_fmu_until_it_is_written(
+    tmp_path: Path, fmi: str, interface: str
+) -> None:
+    text = (
+        "process Count {\n  in back : int @ 10 ms\n  out n : int\n"
+        "  communication { var a : int = 0 }\n"
+        "  composition { back ? a ; back ? a ; n ! 2 ; mu (back ? a) }\n}\n"
+        f'submodel Through fmu "{REFERENCE}/{fmi}/Feedthrough.fmu{interface}" {{\n'
+        "  in Enumeration_input : int\n  out Enumeration_output : int\n}\n"
+        "environment Bench for Count step 10 ms {\n  fmu : Through\n  n -> fmu.Enumeration_input\n"
+        "  fmu.Enumeration_output -> back\n}\n"
+    )
+    runs = [recorded(text, tmp_path, "0.05 s", options) for options in TARGETS]
+    for rows in runs:
+        assert rows == runs[0]
+    assert runs[0][0]["back"] == "1"
+    assert runs[0][-1]["back"] == "2"
+
+
 # ---- Without the Reference FMUs: FMUs that are made here
 
 
