@@ -10,6 +10,7 @@ from cspdiag.base.record import record
 from cspdiag.base.span import SourceFile, Span
 from cspdiag.editing import descriptions, text_at
 from cspdiag.editing.ends import Direction, End, end_at, inner_direction, own_direction
+from cspdiag.editing.imports import programs_beside
 from cspdiag.editing.view import View
 from cspdiag.model.expressions.functions import FUNCTIONS
 from cspdiag.model.program import EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
@@ -18,6 +19,7 @@ from cspdiag.model.types import StructType
 from cspdiag.model.units import unit_names
 from cspdiag.syntax import ast
 from cspdiag.syntax.continuations import Continuations, continuations
+from cspdiag.syntax.parse.numbers import UNITS_OF_DURATIONS
 
 Kind: TypeAlias = Literal[
     "class",
@@ -104,9 +106,11 @@ def completion(view: View, offset: int) -> list[Completion]:
     word = Span(source, word.start, offset)
     definition = text_at.definition_at(source, offset)
     start = definition.start if definition is not None else 0
+    around = text_at.tokens(source, start, offset)
+    if around and around[-1].kind in ("comment", "text") and _is_open(around[-1], offset, source):
+        is_imported = around[-1].kind == "text" and len(around) > 1 and around[-2].text == "import"
+        return [_item(name, "module") for name in programs_beside(source)] if is_imported else []
     before = text_at.tokens(source, start, word.start)
-    if before and before[-1].kind in ("comment", "text") and _is_open(before[-1], offset, source):
-        return []
     found = _Completion(view, _Place(source, offset, word, definition, tuple(_significant(before)))).run(start)
     unique: dict[str, Completion] = {}
     for item in found:
@@ -140,9 +144,11 @@ class _Completion:
         if place.previous(1) == "." and len(place.before) > 1 and place.before[-2].kind != "number":
             yield from self._members()
             return
-        if place.previous(1) == "<" and place.previous(2) in ("double", "float"):
+        if text_at.is_in_unit(place.before):
             yield from (_item(name, "unit") for name in unit_names())
             return
+        if place.before and place.before[-1].kind == "number" and place.previous(2) != "[":
+            yield from (_item(name, "unit") for name in UNITS_OF_DURATIONS)
         allowed = self._continuations(start, place.word.start)
         if allowed.accepts_name:
             yield from self._names(allowed.rules)
@@ -167,6 +173,8 @@ class _Completion:
             yield from self._ends(end)
             if end == "sink" and "endpoint" in rules:
                 yield _DISCARD
+        elif self._place.previous(1) == "reset":
+            yield from self._submodels()
         elif not rules.isdisjoint(_LOCAL_RULES):
             yield from self._locals()
         if not rules:
@@ -221,13 +229,25 @@ class _Completion:
     def _values(self) -> Iterator[Completion]:
         yield from self._locals(None if self._is_submodel() else _CARRIES_VALUES)
         yield from self._definitions((ast.Constant, ast.EnumDefinition, ast.StructDefinition))
-        for name in (*FUNCTIONS, *CONVERSIONS):
+        functions = (name for name, each in FUNCTIONS.items() if self._is_submodel() or not each.has_memory)
+        for name in (*functions, *CONVERSIONS):
             yield _described(name, "function", descriptions.builtin(name))
-        for name in ("pi", "sample", "time") if self._is_submodel() else ("pi",):
+        in_equations = ("sample", "time") if self._is_submodel() else ()
+        for name in ("pi", *in_equations, *(("now",) if self._is_in_composition() else ())):
             yield _described(name, "constant", descriptions.builtin(name))
 
     def _is_submodel(self) -> bool:
         return self._place.definition is not None and self._place.definition.keyword == "submodel"
+
+    def _is_in_composition(self) -> bool:
+        return any(token.text == "composition" for token in self._place.before)
+
+    def _submodels(self) -> Iterator[Completion]:
+        """The instances of submodels, which can be reset."""
+        for instance in self._locals():
+            definition = self._program.definitions.get(self._definition_of(instance.label) or "")
+            if instance.kind == "field" and isinstance(definition, ast.SubmodelDefinition | None):
+                yield instance
 
     def _locals(self, kinds: tuple[type, ...] | None = None) -> Iterator[Completion]:
         """The names that are declared in the definition around the place."""
@@ -302,7 +322,7 @@ class _Completion:
             names = (name for name in library_names() if name.startswith(prefix))
             yield from (_item(name.removeprefix(prefix), "module") for name in names)
             return
-        if not rest:
+        if not rest and not self._is_in_composition():
             yield from self._ports_of(first, self._direction())
         yield from self._fields_of(path)
 

@@ -235,6 +235,23 @@ def _called(name: str, inside: Sequence[Token]) -> Called:
     return Called(name, frozenset(named), count, present)
 
 
+def is_in_unit(before: Sequence[Token]) -> bool:
+    """Whether a unit is being written after some tokens, as in ``double<`` and ``2<V/``: there is no space before it,
+    nor in it.
+    """
+    position = len(before) - 1
+    while position > 0 and before[position].text != "<":
+        token = before[position]
+        if before[position - 1].end != token.start or (
+            token.kind not in ("word", "number") and token.text not in "/*^-"
+        ):
+            return False
+        position -= 1
+    if position < 1 or before[position].text != "<" or before[position - 1].end != before[position].start:
+        return False
+    return before[position - 1].kind == "number" or before[position - 1].text in ("double", "float")
+
+
 def reference_start(before: Sequence[Token], end: int) -> int:
     """The position at which a reference begins whose last token is before ``end``: that of ``cell`` for both
     ``cell[3].pose`` and ``cell[3].pose.``.

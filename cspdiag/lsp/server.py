@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import time
-from collections.abc import Iterator
 from typing import Any
 
 from lsprotocol import types
-from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
-from pygls.protocol import JsonRPCRequestMessage, LanguageServerProtocol, lsp_method
 
 from cspdiag import __version__
 from cspdiag.editing.proved import Proved
@@ -20,9 +16,9 @@ from cspdiag.lsp.documents import Document, name_of
 from cspdiag.lsp.features import diagnostics
 from cspdiag.lsp.features.lenses import asserted
 from cspdiag.lsp.garbage import Garbage
-from cspdiag.lsp.parameters import OWN
 from cspdiag.lsp.pictures.process import Drawer
 from cspdiag.lsp.progress import with_progress
+from cspdiag.lsp.protocol import Protocol, converter
 from cspdiag.lsp.proving import TIME_LIMIT, prove
 from cspdiag.lsp.session import Session
 from cspdiag.syntax import ast
@@ -37,47 +33,6 @@ _BETWEEN_LOOKS = 2.0
 """Seconds between two looks at the files on the disk of which open programs consist."""
 
 
-class _WithoutOrdinary(logging.Filter):
-    """Keeps out of the log what pygls takes for failures: answers that refuse a request, such as a rename, and that the
-    editor no longer wants an answer that it has been given meanwhile.
-    """
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        """Whether it is a failure."""
-        refuses = record.exc_info is not None and isinstance(record.exc_info[1], JsonRpcInvalidParams)
-        return not refuses and not str(record.msg).startswith("Cancel notification for unknown message id")
-
-
-logging.getLogger("pygls.protocol.json_rpc").addFilter(_WithoutOrdinary())
-
-
-class _Protocol(LanguageServerProtocol):
-    """The protocol without the texts that pygls keeps: it takes form feeds and other characters for ends of lines,
-    which are none in the protocol. The parameters of the server's own requests stay as they were sent.
-    """
-
-    def structure_message(self, data: dict[str, Any]) -> Any:
-        """A message from an object of JSON; what is no message stays as it is."""
-        if "jsonrpc" in data and "id" in data and data.get("method") in OWN:
-            return JsonRPCRequestMessage(data["id"], data["method"], data["jsonrpc"], data.get("params"))
-        return super().structure_message(data)
-
-    @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
-    def lsp_text_document__did_open(self, params: types.DidOpenTextDocumentParams) -> Iterator[object]:
-        """A file was opened."""
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_OPEN], (params,), None
-
-    @lsp_method(types.TEXT_DOCUMENT_DID_CHANGE)
-    def lsp_text_document__did_change(self, params: types.DidChangeTextDocumentParams) -> Iterator[object]:
-        """The text of an open file was changed."""
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_CHANGE], (params,), None
-
-    @lsp_method(types.TEXT_DOCUMENT_DID_CLOSE)
-    def lsp_text_document__did_close(self, params: types.DidCloseTextDocumentParams) -> Iterator[object]:
-        """A file was closed."""
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE], (params,), None
-
-
 class CspdiagServer(LanguageServer):
     """The language server of cspdiag."""
 
@@ -86,7 +41,8 @@ class CspdiagServer(LanguageServer):
             "cspdiag",
             __version__,
             text_document_sync_kind=types.TextDocumentSyncKind.Incremental,
-            protocol_cls=_Protocol,
+            protocol_cls=Protocol,
+            converter_factory=converter,
         )
         self.session = Session()
         self.drawer = Drawer()

@@ -88,7 +88,7 @@ async def test_it_is_that_of_the_text_at_the_cursor_and_of_what_is_typed(client:
     at = types.Position(1, 30)
     assert (await diagram(client, editor, position={"line": 1, "character": 30}))["name"] == "Reader", at
     assert (await diagram(client, editor, process="Source"))["name"] == "Source"
-    assert "no process to draw" in (await diagram(client, editor, process="Nobody"))["problem"]
+    assert "there is no `Nobody` to draw" in (await diagram(client, editor, process="Nobody"))["problem"]
     await editor.replace(PIPE.replace("source : Source", "source : Source\n    second : Source"))
     assert "second" in places(await diagram(client, editor))
     await editor.close()

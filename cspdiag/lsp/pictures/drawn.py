@@ -93,7 +93,8 @@ def _drawn(request: Request, checked: Checked) -> dict[str, Any]:
     definition = _chosen(pictures, request)
     if definition is None:
         syntax = "the text has mistakes in its syntax, and without what has them "
-        return {"problem": f"{'' if checked.program is not None else syntax}there is no process to draw"}
+        wanted = "process" if request.process is None else f"`{request.process}`"
+        return {"problem": f"{'' if checked.program is not None else syntax}there is no {wanted} to draw"}
     scene = pictures.scene(definition, PictureOptions(which=request.which))
     if request.format is not None:
         return {"data": b64encode(rendered([scene], request.format, request.scheme)).decode()}

@@ -6,6 +6,8 @@ import math
 
 _NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000, "min": 60_000_000_000}
 _HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
+UNITS_OF_DURATIONS = (*_NANOSECONDS, *_HERTZ)
+"""What can follow the number of a duration, which may also be given by its frequency."""
 _MAX_DIGITS = 64
 """The longest number, in characters; this also limits powers of ten."""
 _MAX_EXPONENT = 40

@@ -1,7 +1,9 @@
-"""The server's own requests with parameters that are none: an error of the protocol, and nothing in the log."""
+"""Requests with parameters that are none: an error of the protocol, and nothing in the log."""
 
 from __future__ import annotations
 
+import asyncio
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ import pytest
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
 
-from tests.lsp.editor import Client, Editor
+from tests.lsp.editor import PATIENCE, Client, Editor
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 NOWHERE: dict[str, Any] = {"textDocument": {"uri": "file:///nowhere/main.csp"}}
@@ -73,3 +75,36 @@ async def test_other_parameters_may_be_sent_as_well(client: Client, tmp_path: Pa
     found: Any = await client.protocol.send_request_async("cspdiag/program", params)
     assert found.files == [editor.uri("main.csp")]
     await editor.close()
+
+
+AT: dict[str, Any] = {**NOWHERE, "position": {"line": 0, "character": 0}}
+RANGE: dict[str, Any] = {"start": {"line": 0, "character": 0}, "end": {"line": 0, "character": 0}}
+
+
+@pytest.mark.parametrize(
+    ("method", "params", "says"),
+    [
+        ("textDocument/hover", NOWHERE, "required field missing @ message.params.position"),
+        ("textDocument/hover", None, "params"),
+        ("textDocument/hover", [1], "params"),
+        ("textDocument/hover", {**NOWHERE, "position": {"line": "x", "character": 0}}, "params.position.line"),
+        ("textDocument/hover", {**AT, "textDocument": {"uri": 3}}, "expected str @ message.params.text_document.uri"),
+        ("textDocument/completion", {**AT, "context": {}}, "params.context"),
+        ("textDocument/completion", {**AT, "context": {"triggerKind": 99}}, "message.params.context.trigger_kind"),
+        ("textDocument/codeAction", {**NOWHERE, "range": RANGE, "context": {}}, "params.context.diagnostics"),
+        ("textDocument/codeAction", {**NOWHERE, "range": RANGE, "context": {"diagnostics": 7}}, "params.context"),
+        ("textDocument/rename", {**AT, "newName": None}, "expected str @ message.params.new_name"),
+    ],
+)
+async def test_a_request_of_the_protocol_says_which_of_its_parameters_is_none(
+    client: Client, method: str, params: object, says: str
+) -> None:
+    answer: Future[object] = Future()
+    # As they are: pygls would refuse to send them.
+    client.protocol._request_futures["misread"] = answer
+    client.protocol._send_data({"jsonrpc": "2.0", "id": "misread", "method": method, "params": params})
+    with pytest.raises(JsonRpcException) as problem:
+        await asyncio.wait_for(asyncio.wrap_future(answer), PATIENCE)
+    assert problem.value.code == JsonRpcInvalidParams.CODE
+    assert says in str(problem.value.message)
+    assert client.messages == []
