@@ -63,11 +63,14 @@ class PartFile:
         if self.is_device:
             self._descriptor = _opened_device(path)
         else:
+            if _is_locked(self.part):
+                raise _another_run(path)
             with suppress(FileNotFoundError):
-                os.unlink(self.part)  # Another run may still write to it: it keeps its file.
+                os.unlink(self.part)
             self._descriptor = os.open(
                 self.part, os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666
             )
+            _lock(self._descriptor)
         self._seekable = not self.is_device and stat.S_ISREG(os.fstat(self._descriptor).st_mode)
 
     def write(self, data: bytes | memoryview) -> object:
@@ -100,7 +103,7 @@ class PartFile:
                 there = None
             if there is None or (there.st_dev, there.st_ino) != (own.st_dev, own.st_ino):
                 self.close()
-                raise OSError(errno.EEXIST, "another run writes to the same recording", self.path)
+                raise _another_run(self.path)
             with suppress(OSError):
                 os.chmod(self.part, os.stat(self._real).st_mode & 0o7777)
         self.close()
@@ -119,6 +122,37 @@ class PartFile:
         if self._descriptor >= 0:
             descriptor, self._descriptor = self._descriptor, -1
             os.close(descriptor)
+
+
+def _another_run(path: str) -> OSError:
+    return OSError(errno.EEXIST, "another run writes to the same recording", path)
+
+
+def _is_locked(part: str) -> bool:
+    """Whether a run that continues writes to a part. What a killed one has left is locked by nobody."""
+    try:
+        descriptor = os.open(part, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    except OSError:
+        return False  # It is not there; or it cannot be replaced either, which says more.
+    try:
+        return not _lock(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _lock(descriptor: int) -> bool:
+    """Lock a file until it is closed, where the system can; whether nobody else has."""
+    try:
+        import fcntl
+    except ImportError:
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # Not every network has locks.
+        return True
+    return True
 
 
 def journal_name(path: str) -> str:

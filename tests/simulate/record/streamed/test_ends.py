@@ -137,6 +137,23 @@ def test_a_stopped_run_has_a_whole_recording(folder: Path, name: str, number: in
     assert sorted(path.name for path in folder.iterdir()) == sorted(["main.csp", name.rstrip("/")])
 
 
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("run.mcap", "run.npz"), ("run.parquet", "run.mcap"), ("run.csv", "run.csv")],
+)
+def test_a_second_run_does_not_take_the_part_of_the_first(
+    folder: Path, first: str, second: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    process = started(folder, first)
+    part = "run.part.csv" if first == "run.csv" else "run.part.mcap"
+    wait_for(folder / part, 50_000, process)
+    assert main(["run", str(folder / "main.csp"), "--for", "1 s", "--record", f"{folder}/{second}"]) == 2
+    assert "another run writes to the same recording" in capsys.readouterr().err
+    process.send_signal(signal.SIGTERM)
+    assert f"wrote {first}" in process.communicate()[1].decode()
+    assert sorted(path.name for path in folder.iterdir()) == sorted(["main.csp", first])
+
+
 def test_the_end_of_a_run_that_was_stopped_is_in_the_file(folder: Path) -> None:
     from mcap.reader import make_reader
 
