@@ -18,6 +18,7 @@ from pathlib import Path
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.files.caches import cache_folder
+from cspdiag.base.parent import RunningCommands
 from cspdiag.base.record import record
 from cspdiag.codegen.c.package.includes import with_headers
 
@@ -111,6 +112,10 @@ class Build:
         return find_compiler() if command is None else Compiler(command, _version(command))
 
     @cached_property
+    def _compilers(self) -> RunningCommands:
+        return RunningCommands()
+
+    @cached_property
     def cache(self) -> Path:
         """The folder of the cache."""
         if self.folder is not None:
@@ -184,7 +189,11 @@ class Build:
             with _Scratch(self.cache) as scratch:
                 _write(scratch, self.files)
                 with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-                    list(pool.map(lambda path: self._compile(scratch, path, places[path]), missing))
+                    try:
+                        list(pool.map(lambda path: self._compile(scratch, path, places[path]), missing))
+                    except BaseException:
+                        self._compilers.stop()  # Otherwise the pool waits for them.
+                        raise
         return [str(place) for place in places.values()]
 
     def _compile(self, scratch: Path, path: str, place: Path) -> None:
@@ -240,7 +249,9 @@ class Build:
         limited = command if patience is None else ["sh", "-c", 'ulimit -t "$0"; exec "$@"', str(patience), *command]
         began = time.monotonic()
         try:
-            done = subprocess.run(limited, capture_output=True, text=True, check=False, env=environment)
+            done = self._compilers.run(limited, environment)
+        except InterruptedError:
+            raise CompilerError("the build was interrupted") from None
         except OSError as problem:
             raise CompilerError(f"{command[0]} cannot be run: {problem.strerror}") from problem
         if done.returncode != 0:

@@ -283,6 +283,25 @@ def test_a_compiler_that_computes_too_long_is_stopped(monkeypatch: pytest.Monkey
     assert log.read_text() == "tried\n"
 
 
+def test_a_build_that_is_interrupted_ends_its_compilers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    started = tmp_path / "started"
+    # The process that compiles is a child of the command, as cc1 of gcc, and keeps its streams open.
+    script = f'[ "$1" = --version ] && echo mine && exit\ntouch {started}\nsleep 100\nexit 1'
+    monkeypatch.setenv("CC", compiler_that(tmp_path, script))
+    build = Build({"a.c": "int a;\n", "b.c": "int b;\n"}, ["a.c", "b.c"], folder=tmp_path / "cache")
+
+    def interrupt() -> None:
+        while not started.exists():
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt, daemon=True).start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        build.executable()
+    assert time.monotonic() - began < 80
+
+
 @needs_compiler
 def test_only_what_has_changed_is_compiled_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     log = tmp_path / "log"
