@@ -8,6 +8,7 @@ from itertools import product
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.base.span import SourceFile
 from cspdiag.codegen.c.text.code import (
     AND,
     EQUALITY,
@@ -208,3 +209,33 @@ def test_one_macro_contains_jumps() -> None:
         for macro in re.findall(r"^#define (\w+)\((?:[^\n]*\\\n)*[^\n]*\b(?:return|goto|case)\b", text, re.MULTILINE)
     ]
     assert macros == ["CSP_AWAIT"]
+
+
+def test_literals_have_no_casts() -> None:
+    """Next to a value of 64 bits, and converted themselves."""
+    text = """
+const STEP : uint16 = 1
+
+process Counter {
+  in  tick  : int @ 10 ms
+  out total : int @ 10 ms
+
+  communication {
+    var given : int = 0
+    var short : uint16 = 3
+    var long : uint32 = 3
+  }
+
+  composition {
+    mu (tick ? given ; short := (short + 1) % 5 ; long := 7 - long * 2 ; short := short + STEP ;
+        total ! int(short) + int(uint16(1)) + given)
+  }
+}
+"""
+    checked = pipeline.build(SourceFile(name="counter.csp", text=text), read).network
+    assert checked is not None
+    counter = pipeline.generate(checked, read, "c", 0)["counter.c"]
+    assert re.findall(r"\(u?int\d+_t\)-?\d", counter) == []
+    assert "(int64_t)self->short_ + (int64_t)STEP" in counter
+    assert "csp_uint32(csp, 7 - (int64_t)csp_uint32(csp, (int64_t)self->long_ * 2))" in " ".join(counter.split())
+    assert "csp_add(csp, csp_add(csp, (int64_t)self->short_, 1), self->given)" in " ".join(counter.split())

@@ -235,8 +235,12 @@ class Printer(Evaluator):
         if is_int64(expression.type):
             narrow = self._is_int(expression.left) and self._is_int(expression.right)
             return infix(operator, _ARITHMETIC[operator], cast("int64_t", left) if narrow else left, right)
-        wide = widened(left, expression.left.type), widened(right, expression.right.type)
-        return self._narrow(expression, infix(operator, _ARITHMETIC[operator], *wide))
+        # Next to an operand of 64 bits, a literal needs no conversion.
+        if not self._is_int(expression.left) or self._is_int(expression.right):
+            left = widened(left, expression.left.type)
+        if not self._is_int(expression.right):
+            right = widened(right, expression.right.type)
+        return self._narrow(expression, infix(operator, _ARITHMETIC[operator], left, right))
 
     def _narrow(self, expression: Expression, code: Code) -> Code:
         """The result of an operation in a wider type, converted back, with a check if it may be out of range."""
@@ -249,6 +253,8 @@ class Printer(Evaluator):
 
     def _is_int(self, expression: Expression) -> bool:
         """Whether an operand is a literal of C type ``int``."""
+        if isinstance(expression, Conversion) and isinstance(expression.type, IntType):
+            return self._is_int(expression.operand) and conversion_fits(expression)
         if not isinstance(expression, LiteralValue) or not isinstance(expression.type, IntType):
             return False
         return self._name_of(expression) is None
@@ -334,7 +340,7 @@ class Printer(Evaluator):
             return call(f"csp_{integer_name(type_)}_of_real", code)
         if not conversion_fits(expression):
             return call(f"csp_{integer_name(type_)}", code)
-        return code if self.types.type_name(operand.type) == name else cast(name, code)
+        return code if self._is_int(expression) or self.types.type_name(operand.type) == name else cast(name, code)
 
     def _element(self, expression: ElementValue) -> Code:
         operand, index = self._in_order((expression.operand, expression.index))
