@@ -87,14 +87,14 @@ def of_the_library(image: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("model", "level", "processor", "options", "bound"),
     [
-        ("dining/dining.csp", 1, "cortex-m0", (), 5_900),
-        ("cascade/cascade.csp", 1, "cortex-m0", (), 14_000),
-        ("cascade/cascade.csp", 1, "cortex-m0", WHOLE, 12_800),
-        ("cascade/cascade.csp", 1, "cortex-m4", (), 12_300),
-        ("jiwy/jiwy.csp", 0, "cortex-m0", (), 27_700),
-        ("jiwy/jiwy.csp", 0, "cortex-m0", WHOLE, 25_700),
-        ("jiwy/jiwy.csp", 0, "cortex-m4", (), 23_800),
-        ("jiwy/jiwy.csp", 0, "cortex-m4", WHOLE, 21_300),
+        ("dining/dining.csp", 1, "cortex-m0", (), 5_800),
+        ("cascade/cascade.csp", 1, "cortex-m0", (), 12_600),
+        ("cascade/cascade.csp", 1, "cortex-m0", WHOLE, 11_400),
+        ("cascade/cascade.csp", 1, "cortex-m4", (), 11_100),
+        ("jiwy/jiwy.csp", 0, "cortex-m0", (), 25_800),
+        ("jiwy/jiwy.csp", 0, "cortex-m0", WHOLE, 24_000),
+        ("jiwy/jiwy.csp", 0, "cortex-m4", (), 22_000),
+        ("jiwy/jiwy.csp", 0, "cortex-m4", WHOLE, 20_000),
     ],
 )
 def test_flash(model: str, level: int, processor: str, options: tuple[str, ...], bound: int, tmp_path: Path) -> None:

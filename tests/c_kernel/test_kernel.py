@@ -29,6 +29,7 @@ class Variant(NamedTuple):
 
 VARIANTS: Mapping[str, Variant] = {
     "gcc": Variant("gcc", ("-g", "-O1")),
+    "small": Variant("gcc", ("-Os",)),
     "clang": Variant("clang", ("-O1",)),
     "sanitizers": Variant("gcc", ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")),
 }

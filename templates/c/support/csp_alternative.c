@@ -19,9 +19,8 @@ static inline csp_word bits_from(uint32_t index)
 bool csp_is_enabled(const csp_guard *guard)
 {
     const csp_alternative *const alternative = guard->alternative;
-    const csp_word word = (alternative->more_ready == NULL)
-                              ? alternative->enabled
-                              : alternative->more_enabled[guard->index / CSP_WORD_BITS];
+    const csp_word word = csp_is_wide(alternative) ? alternative->more_enabled[guard->index / CSP_WORD_BITS]
+                                                   : alternative->enabled;
     return (word & bit_of(guard->index)) != 0U;
 }
 
@@ -206,14 +205,14 @@ csp_party *csp_pledge(csp_kernel *csp, csp_guard *guard)
 
 bool csp_alternative_withdraw(csp_kernel *csp, csp_alternative *alternative, csp_party *party)
 {
-    if (alternative->offers) {
+    if (csp_makes_offer(alternative)) {
         const bool waited = csp_withdraw(alternative->guard[alternative->chosen].medium, party);
         if (waited) {
             alternative->offers = false;
         }
         return waited;
     }
-    if (alternative->pledged) {
+    if (csp_is_pledged(alternative)) {
         if (!csp_withdraw(alternative->guard[alternative->chosen].medium, &alternative->pledge)) {
             return false;
         }
@@ -238,11 +237,13 @@ static csp_progress communicate(csp_kernel *csp, csp_party *party, csp_alternati
     case CSP_GUARD_READY:
         csp_settle_input(csp, guard);
         return CSP_DONE;
+#if CSP_USES_OUTPUT_GUARDS
     case CSP_GUARD_OUTPUT: {
         const csp_progress progress = csp_choose_output(csp, party, guard);
         alternative->offers = progress == CSP_WAITS;
         return progress;
     }
+#endif
     default:
         return CSP_DONE;
     }
@@ -262,7 +263,7 @@ static inline void remember(csp_alternative *alternative, uint32_t index)
     alternative->chosen = (uint16_t)index;
     if (!alternative->prioritized) {
         alternative->after = bits_from((index % CSP_WORD_BITS) + 1U);
-        if (alternative->more_ready != NULL) {
+        if (csp_is_wide(alternative)) {
             const uint32_t word = index / CSP_WORD_BITS;
             alternative->present_ready = &alternative->more_ready[word];
             alternative->present_enabled = &alternative->more_enabled[word];
@@ -273,7 +274,7 @@ static inline void remember(csp_alternative *alternative, uint32_t index)
 
 static inline uint32_t first_choice(const csp_alternative *alternative)
 {
-    if (alternative->more_ready == NULL) {
+    if (!csp_is_wide(alternative)) {
         const csp_word ready = alternative->ready & alternative->enabled;
         const csp_word after = ready & alternative->after;
         return (ready == 0U) ? alternative->count : csp_lowest_bit((after != 0U) ? after : ready);
@@ -308,15 +309,15 @@ csp_progress csp_select_any(csp_kernel *csp, csp_party *party, csp_alternative *
 
 csp_progress csp_select_again(csp_kernel *csp, csp_party *party, csp_alternative *alternative)
 {
-    if (alternative->offers) {
+    if (csp_makes_offer(alternative)) {
         alternative->offers = false;
         return CSP_DONE;
     }
     alternative->woken = false;
-    if (alternative->pledged) {
+    if (csp_is_pledged(alternative)) {
         return CSP_WAITS;
     }
-    if (alternative->solved) {
+    if (csp_is_solved(alternative)) {
         alternative->solved = false;
         remember(alternative, alternative->chosen);
         return CSP_DONE;
@@ -324,7 +325,7 @@ csp_progress csp_select_again(csp_kernel *csp, csp_party *party, csp_alternative
     if (csp_is_cancelled(party)) {
         return csp_refuse(csp, party);
     }
-    if ((csp_candidates(alternative) != 0U) && !alternative->enrolls) {
+    if ((CSP_SMALL == 0) && (csp_candidates(alternative) != 0U) && !alternative->enrolls) {
         alternative->waits = false;
         alternative->armed = false;
         return csp_select(csp, party, alternative);

@@ -100,6 +100,30 @@ struct csp_alternative {
     struct csp_interrupt *interrupt; /* the interrupt whose guard this is, or NULL */
 };
 
+/* Whether it has several words. */
+static inline bool csp_is_wide(const csp_alternative *alternative)
+{
+    return (CSP_USES_WIDE_ALTERNATIVES != 0) && (alternative->around == 0U);
+}
+
+/* Whether the other side has chosen the guard, */
+static inline bool csp_is_solved(const csp_alternative *alternative)
+{
+    return (CSP_USES_CHOSEN_GUARDS != 0) && alternative->solved;
+}
+
+/* and is going to read the value that it was promised. */
+static inline bool csp_is_pledged(const csp_alternative *alternative)
+{
+    return (CSP_USES_CHOSEN_GUARDS != 0) && alternative->pledged;
+}
+
+/* Whether the process has chosen to write, and waits for that. */
+static inline bool csp_makes_offer(const csp_alternative *alternative)
+{
+    return (CSP_USES_OUTPUT_GUARDS != 0) && alternative->offers;
+}
+
 /* The bit of the guard's word in the set of words that are not zero. */
 static inline csp_word csp_bit_of_word(const csp_guard *guard)
 {
@@ -109,7 +133,7 @@ static inline csp_word csp_bit_of_word(const csp_guard *guard)
 static inline void csp_set_bit(const csp_guard *guard)
 {
     *guard->word |= guard->bit;
-    if (guard->alternative->around == 0U) {
+    if (csp_is_wide(guard->alternative)) {
         guard->alternative->ready |= csp_bit_of_word(guard);
     }
 }
@@ -117,7 +141,7 @@ static inline void csp_set_bit(const csp_guard *guard)
 static inline void csp_clear_bit(const csp_guard *guard)
 {
     *guard->word &= ~guard->bit;
-    if ((guard->alternative->around == 0U) && (*guard->word == 0U)) {
+    if (csp_is_wide(guard->alternative) && (*guard->word == 0U)) {
         guard->alternative->ready &= ~csp_bit_of_word(guard);
     }
 }

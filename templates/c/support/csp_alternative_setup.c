@@ -9,23 +9,24 @@ static csp_word bit_of(uint32_t index)
 void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16_t count, csp_word *words,
                           bool prioritized)
 {
+    const bool wide = (CSP_USES_WIDE_ALTERNATIVES != 0) && (words != NULL);
     alternative->guard = guard;
     alternative->count = count;
     alternative->prioritized = prioritized;
     alternative->fair = prioritized ? 0U : ~(csp_word)0U;
     alternative->after = alternative->fair;
     alternative->quick = ~(csp_word)0U;
-    alternative->around = (words == NULL) ? ~(csp_word)0U : 0U;
+    alternative->around = wide ? 0U : ~(csp_word)0U;
     alternative->more_ready = words;
-    alternative->more_enabled = (words == NULL) ? NULL : &words[CSP_WORDS(count)];
-    alternative->present_ready = (words == NULL) ? &alternative->ready : alternative->more_ready;
-    alternative->present_enabled = (words == NULL) ? &alternative->enabled : alternative->more_enabled;
+    alternative->more_enabled = wide ? &words[CSP_WORDS(count)] : NULL;
+    alternative->present_ready = wide ? alternative->more_ready : &alternative->ready;
+    alternative->present_enabled = wide ? alternative->more_enabled : &alternative->enabled;
     alternative->present_guard = guard;
     for (uint16_t index = 0U; index < count; index++) {
         guard[index].alternative = alternative;
         guard[index].index = index;
         guard[index].bit = bit_of(index);
-        guard[index].word = (words == NULL) ? &alternative->ready : &words[index / CSP_WORD_BITS];
+        guard[index].word = wide ? &words[index / CSP_WORD_BITS] : &alternative->ready;
     }
 }
 
@@ -79,7 +80,7 @@ void csp_guard_skip(csp_alternative *alternative, uint32_t index)
 void csp_enable_all(csp_alternative *alternative)
 {
     alternative->enabled = ~(csp_word)0U;
-    if (alternative->more_enabled != NULL) {
+    if (csp_is_wide(alternative)) {
         for (uint32_t word = 0U; word < CSP_WORDS(alternative->count); word++) {
             alternative->more_enabled[word] = ~(csp_word)0U;
         }
@@ -89,7 +90,7 @@ void csp_enable_all(csp_alternative *alternative)
 void csp_enable_none(csp_alternative *alternative)
 {
     alternative->enabled = 0U;
-    if (alternative->more_enabled != NULL) {
+    if (csp_is_wide(alternative)) {
         for (uint32_t word = 0U; word < CSP_WORDS(alternative->count); word++) {
             alternative->more_enabled[word] = 0U;
         }
@@ -98,9 +99,9 @@ void csp_enable_none(csp_alternative *alternative)
 
 void csp_enable(csp_alternative *alternative, uint32_t index)
 {
-    if (alternative->more_enabled == NULL) {
-        alternative->enabled |= bit_of(index);
-    } else {
+    if (csp_is_wide(alternative)) {
         alternative->more_enabled[index / CSP_WORD_BITS] |= bit_of(index);
+    } else {
+        alternative->enabled |= bit_of(index);
     }
 }

@@ -277,16 +277,18 @@ static void divide_next(uint32_t digit, uint64_t *quotient, uint32_t *rest)
     *quotient = (*quotient * 2U) + (goes ? 1U : 0U);
 }
 
-double csp_many_seconds(int64_t nanoseconds)
+/* The same of more than 2^53 nanoseconds: 53 digits, and then whether to round up. By steps, because a division of 64 bits takes as much flash as this on
+ * processors that have none. */
+static double many_seconds(int64_t nanoseconds)
 {
-    /* 53 digits, and then whether to round up. By steps, because a division of 64 bits takes as much flash as this on processors that have none. */
     const bool negative = nanoseconds < 0;
-    const uint64_t magnitude = negative ? (uint64_t)0 - (uint64_t)nanoseconds : (uint64_t)nanoseconds;
+    uint64_t magnitude = negative ? (uint64_t)0 - (uint64_t)nanoseconds : (uint64_t)nanoseconds;
     uint64_t digits = 0U;
     uint32_t rest = 0U;
     double unit = 1.0;
-    for (uint32_t bit = 64U; bit > 0U; bit--) {
-        divide_next((uint32_t)(magnitude >> (bit - 1U)) & 1U, &digits, &rest);
+    for (uint32_t bit = 0U; bit < 64U; bit++) {
+        divide_next((uint32_t)(magnitude >> 63U), &digits, &rest);
+        magnitude *= 2U;
     }
     while (digits < (UINT64_C(1) << 52)) {
         divide_next(0U, &digits, &rest);
@@ -296,6 +298,15 @@ double csp_many_seconds(int64_t nanoseconds)
     if ((rest > UINT32_C(1000000000)) || ((rest == UINT32_C(1000000000)) && ((digits % 2U) == 1U))) {
         digits++;
     }
-    const double seconds = (double)digits * unit;
+    const double seconds = (double)(int64_t)digits * unit;
     return negative ? -seconds : seconds;
+}
+
+/* Up to 2^53 every integer is a double. */
+#define EXACT (INT64_C(1) << 53)
+
+double csp_seconds(int64_t nanoseconds)
+{
+    const bool exact = (nanoseconds >= -EXACT) && (nanoseconds <= EXACT);
+    return exact ? (double)nanoseconds / 1e9 : many_seconds(nanoseconds);
 }

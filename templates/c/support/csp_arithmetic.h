@@ -33,7 +33,7 @@ static inline bool csp_faulted(csp_kernel *csp)
 }
 
 /* Records where the fault happened; returns false, for use in `return csp_fault_at(...)`. */
-bool csp_fault_at(csp_kernel *csp, const char *place);
+CSP_COLD bool csp_fault_at(csp_kernel *csp, const char *place);
 
 /* The same in a function that continues; its caller checks for a fault. */
 static inline void csp_fault_in(csp_kernel *csp, const char *place)
@@ -54,7 +54,7 @@ static inline bool csp_faulted_at(csp_kernel *csp, const char *place)
 }
 
 /* Raises the fault that was noted, in a part of the process with a name of its own: a control law, or a process that was flattened into it; NULL: none. */
-void csp_raise_noted_fault(csp_kernel *csp, csp_party *party, const char *part, const char *place);
+CSP_COLD void csp_raise_noted_fault(csp_kernel *csp, csp_party *party, const char *part, const char *place);
 
 /* Whether a fault was noted; then it is raised in this part of the process, which has to continue where it handles failures. */
 static inline bool csp_raised_in(csp_kernel *csp, csp_party *party, const char *part, const char *place)
@@ -355,16 +355,8 @@ double csp_atan(double x);
 double csp_atan2(double y, double x);
 double csp_pow(double base, double exponent);
 
-/* Up to 2^53 every integer is a double. */
-#define CSP_EXACT (INT64_C(1) << 53)
-double csp_many_seconds(int64_t nanoseconds);
-
 /* A duration in seconds, rounded once. */
-static inline double csp_seconds(int64_t nanoseconds)
-{
-    const bool exact = (nanoseconds >= -CSP_EXACT) && (nanoseconds <= CSP_EXACT);
-    return exact ? (double)nanoseconds / 1e9 : csp_many_seconds(nanoseconds);
-}
+double csp_seconds(int64_t nanoseconds);
 
 double csp_real_fails(csp_kernel *csp);
 

@@ -116,9 +116,11 @@ csp_progress csp_communicate(csp_kernel *csp, csp_party *party, csp_alternative 
 /* The ready guards of the present word from which a selection without time-outs may choose. */
 static inline csp_word csp_candidates(const csp_alternative *alternative)
 {
-    const csp_word ready = *alternative->present_ready & *alternative->present_enabled & alternative->quick;
+    const csp_word present = (CSP_USES_WIDE_ALTERNATIVES != 0) ? (*alternative->present_ready & *alternative->present_enabled)
+                                                               : (alternative->ready & alternative->enabled);
+    const csp_word ready = present & alternative->quick;
     const csp_word after = ready & alternative->after;
-    return (after != 0U) ? after : (ready & alternative->around);
+    return (after != 0U) ? after : (ready & ((CSP_USES_WIDE_ALTERNATIVES != 0) ? alternative->around : ready));
 }
 
 static inline void csp_remember(csp_alternative *alternative, const csp_guard *chosen, csp_word after)
@@ -152,12 +154,18 @@ static inline csp_progress csp_select_in(csp_kernel *csp, csp_party *party, csp_
 
 static inline csp_progress csp_select(csp_kernel *csp, csp_party *party, csp_alternative *alternative)
 {
+    if (CSP_SMALL != 0) {
+        return csp_select_any(csp, party, alternative);
+    }
     return csp_select_in(csp, party, alternative, csp_candidates(alternative), alternative->present_ready,
-                         alternative->present_guard, alternative->fair, alternative->around == 0U);
+                         alternative->present_guard, alternative->fair, csp_is_wide(alternative));
 }
 
 static inline csp_progress csp_select_inputs(csp_kernel *csp, csp_party *party, csp_alternative *alternative, uint32_t count)
 {
+    if (CSP_SMALL != 0) {
+        return csp_select_any(csp, party, alternative);
+    }
     if (count > CSP_GUARDS_OF_WORD) {
         return csp_select_in(csp, party, alternative, *alternative->present_ready & alternative->after,
                              alternative->present_ready, alternative->present_guard, ~(csp_word)0U, true);

@@ -28,6 +28,20 @@
 #include "csp_config.h" /* CSP_TRACE (0 or 1), CSP_LEVELS (of priority, at least 1) */
 #include "csp_parts.h"
 
+/* Compiled for size, every case is left to the function for all of them; otherwise the most common ones are inline. */
+#ifdef __OPTIMIZE_SIZE__
+#define CSP_SMALL 1
+#else
+#define CSP_SMALL 0
+#endif
+
+/* A function that only failures call: once in the image, and nowhere inline. */
+#ifdef __GNUC__
+#define CSP_COLD __attribute__((cold, noinline))
+#else
+#define CSP_COLD
+#endif
+
 typedef struct csp_party csp_party;
 typedef struct csp_process csp_process;
 typedef struct csp_class csp_class;
@@ -285,7 +299,7 @@ static inline bool csp_is_cancelled(const csp_party *party)
 }
 
 /* Sets `csp->error` to the cancellation of a process that has tried to communicate. Always CSP_FAILS. */
-csp_progress csp_refuse(csp_kernel *csp, const csp_party *party);
+CSP_COLD csp_progress csp_refuse(csp_kernel *csp, const csp_party *party);
 
 /* ---- The rendezvous of one writer and one reader, without guards, all inline ---- */
 

@@ -17,14 +17,14 @@ static void set_attend(csp_guard *watchers, bool attends)
 
 /* ---- Sampled inputs ---- */
 
-void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t period, void *value, csp_driver driver)
+void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t period, void *value, const csp_driver *driver)
 {
     port->medium.number = number;
     port->medium.kind = (uint8_t)CSP_AT_ONCE;
     port->period = period;
     port->next = period;
     port->value = value;
-    port->driver = driver;
+    port->driver = *driver;
 }
 
 /* Whether two ports have the same ticks; valid before the first tick only. */
@@ -195,12 +195,12 @@ static void add_end(csp_event_end *end, csp_event_input *port)
     *last = end;
 }
 
-void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast, void *value, csp_driver driver)
+void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast, void *value, const csp_driver *driver)
 {
     port->medium.number = number;
     port->medium.kind = (uint8_t)CSP_AT_ONCE;
     port->value = value;
-    port->driver = driver;
+    port->driver = *driver;
     port->broadcast = broadcast;
     if (!broadcast) {
         add_end(&port->shared, port);
@@ -321,21 +321,21 @@ bool csp_event_can_come(const csp_event_input *port, bool interrupts)
 /* ---- Outputs ---- */
 
 void csp_latched_output_init(csp_latched_output *output, uint32_t number, int64_t period, void *value,
-                             csp_driver driver)
+                             const csp_driver *driver)
 {
     output->medium.number = number;
     output->medium.kind = (uint8_t)CSP_AT_ONCE;
     output->period = period;
     output->next = period;
     output->value = value;
-    output->driver = driver;
+    output->driver = *driver;
 }
 
-void csp_direct_output_init(csp_direct_output *output, uint32_t number, csp_driver driver)
+void csp_direct_output_init(csp_direct_output *output, uint32_t number, const csp_driver *driver)
 {
     output->medium.number = number;
     output->medium.kind = (uint8_t)CSP_AT_ONCE;
-    output->driver = driver;
+    output->driver = *driver;
 }
 
 csp_progress csp_direct_write(csp_kernel *csp, csp_party *party, csp_direct_output *output, void *value, size_t size)

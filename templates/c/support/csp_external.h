@@ -55,7 +55,7 @@ csp_progress csp_sampled_read_any(csp_kernel *csp, csp_party *party, csp_sampled
 /* CSP_AWAIT(csp_sampled_read(...), csp_sampled_read_again(...), ...) */
 static inline csp_progress csp_sampled_read(csp_kernel *csp, csp_party *party, csp_sampled_end *end, void *value, size_t size)
 {
-    if (end->fresh && end->begun && !end->overdue && (end->inputs == NULL) && !csp_is_cancelled(party)) {
+    if ((CSP_SMALL == 0) && end->fresh && end->begun && !end->overdue && (end->inputs == NULL) && !csp_is_cancelled(party)) {
         end->fresh = false;
         csp_copy(value, end->port->value, size);
         csp_observe(csp, end->medium.number, value, 0U, party->number);
@@ -142,16 +142,16 @@ csp_progress csp_direct_write(csp_kernel *csp, csp_party *party, csp_direct_outp
 
 /* ---- Before the program starts ---- */
 
-void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t period, void *value, csp_driver driver);
+void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t period, void *value, const csp_driver *driver);
 /* `owner` are the ends of the process or scope that reads, initialized to {NULL}. Ends are served in the order of these calls. */
 void csp_sampled_end_init(csp_sampled_end *end, csp_sampled_input *port, csp_ends *owner);
-void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast, void *value, csp_driver driver);
+void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast, void *value, const csp_driver *driver);
 /* Provides the memory in which interrupt handlers store the value of an event. */
 void csp_event_input_accept(csp_event_input *port, void *brought, size_t size);
 /* The end for a reader: `own` with broadcast, otherwise the shared one. */
 csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port);
 void csp_latched_output_init(csp_latched_output *output, uint32_t number, int64_t period, void *value,
-                             csp_driver driver);
-void csp_direct_output_init(csp_direct_output *output, uint32_t number, csp_driver driver);
+                             const csp_driver *driver);
+void csp_direct_output_init(csp_direct_output *output, uint32_t number, const csp_driver *driver);
 
 #endif

@@ -94,13 +94,13 @@ void csp_instants_begin(csp_kernel *csp)
     }
 }
 
-/* How many periods are in a duration that is at least one period. By doubling, because a division of 64 bits takes flash on small processors. */
-static int64_t periods_in(int64_t duration, int64_t period)
+/* The last tick that has passed, and how many there were after `instant`. By doubling, because a division and a multiplication of 64 bits take flash on small
+ * processors. */
+static int64_t last_passed(int64_t instant, int64_t period, int64_t present, int64_t *count)
 {
-    int64_t rest = duration;
+    int64_t rest = present - instant;
     int64_t part = period;
     int64_t periods = 1;
-    int64_t count = 0;
     while (part <= (rest - part)) {
         part *= 2;
         periods *= 2;
@@ -108,19 +108,23 @@ static int64_t periods_in(int64_t duration, int64_t period)
     while (periods > 0) {
         if (part <= rest) {
             rest -= part;
-            count += periods;
+            *count += periods;
         }
         part /= 2;
         periods /= 2;
     }
-    return count;
+    return present - rest;
 }
 
-/* How many ticks are between this one and the one to be executed next, which is counted, if another one has passed already: the last that has. Without an
- * environment nothing happens at those between, so the work does not grow with the lateness. */
-static int64_t ticks_passed(const csp_kernel *csp, int64_t tick, int64_t period, int64_t present)
+/* The tick to be executed after one, `instant`, where another one has passed already. Counts the ticks from this one to that one. Without an environment it is
+ * the last that has: nothing happens at those between, so the work does not grow with the lateness. */
+static CSP_COLD int64_t late_tick(const csp_kernel *csp, int64_t instant, int64_t period, int64_t present, int64_t *count)
 {
-    return (csp->program->environment == NULL) ? periods_in(present - tick, period) : 1;
+    if (csp->program->environment == NULL) {
+        return last_passed(instant, period, present, count);
+    }
+    *count = 1;
+    return instant + period;
 }
 
 static inline uint32_t alike(const csp_port *port)
@@ -136,8 +140,7 @@ static int64_t sample_inputs(csp_kernel *csp, const csp_port *first, int64_t ins
     int64_t next = tick_after(instant, period);
     int64_t passed = 0;
     if (next <= present) {
-        passed = ticks_passed(csp, instant, period, present);
-        next = instant + (passed * period);
+        next = late_tick(csp, instant, period, present, &passed);
     }
     for (uint32_t index = 0U; index <= alike(first); index++) {
         csp_sampled_input *const input = (csp_sampled_input *)(void *)csp_medium_of(csp, &first[index]);
@@ -177,8 +180,9 @@ static int64_t hand_over(csp_kernel *csp, const csp_port *first, int64_t instant
 {
     const int64_t period = ((const csp_latched_output *)(const void *)csp_medium_of(csp, first))->period;
     int64_t next = tick_after(instant, period);
+    int64_t passed = 0;
     if (next <= present) {
-        next = instant + (ticks_passed(csp, instant, period, present) * period);
+        next = late_tick(csp, instant, period, present, &passed);
     }
     for (uint32_t index = 0U; index <= alike(first); index++) {
         csp_latched_output *const output = (csp_latched_output *)(void *)csp_medium_of(csp, &first[index]);
@@ -217,9 +221,10 @@ bool csp_ticks_meet(csp_kernel *csp, int64_t instant, int64_t present)
     }
     const int64_t next_input = inputs_meet(csp, instant, present);
     if (csp->next_grid == instant) {
+        int64_t passed = 0;
         csp->next_grid = tick_after(instant, csp->grid);
         if ((CSP_USES_EVENT_INPUTS != 0) && (csp->next_grid <= present)) {
-            csp->next_grid = instant + (ticks_passed(csp, instant, csp->grid, present) * csp->grid);
+            csp->next_grid = late_tick(csp, instant, csp->grid, present, &passed);
         }
     }
     const int64_t next_output = outputs_meet(csp, instant, present);

@@ -55,7 +55,7 @@ void csp_interrupt_retract(csp_kernel *csp, csp_interrupt *interrupt)
     if (alternative->waits) {
         csp_end_waiting(csp, alternative);
     }
-    if (alternative->pledged && csp_withdraw(interrupt->guard.medium, &alternative->pledge)) {
+    if (csp_is_pledged(alternative) && csp_withdraw(interrupt->guard.medium, &alternative->pledge)) {
         alternative->pledged = false;
         alternative->solved = false;
     }
@@ -66,9 +66,9 @@ bool csp_interrupt_withdraw(csp_kernel *csp, csp_interrupt *interrupt, csp_party
     bool withdrawn = false;
     if (interrupt->communicates) {
         withdrawn = csp_alternative_withdraw(csp, &interrupt->alternative, party);
-    } else if (interrupt->body_ended && interrupt->alternative.pledged) {
+    } else if (interrupt->body_ended && csp_is_pledged(&interrupt->alternative)) {
         csp_interrupt_retract(csp, interrupt);
-        withdrawn = !interrupt->alternative.pledged;
+        withdrawn = !csp_is_pledged(&interrupt->alternative);
     } else {
         /* The body has ended, and the process is already in the ready queue. */
     }
@@ -111,7 +111,7 @@ static csp_progress communicate(csp_kernel *csp, csp_party *party, csp_interrupt
     csp_guard *const guard = &interrupt->guard;
     renew(interrupt);
     interrupt->alternative.interrupt = NULL;
-    if (guard->kind == (uint8_t)CSP_GUARD_OUTPUT) {
+    if ((CSP_USES_OUTPUT_GUARDS != 0) && (guard->kind == (uint8_t)CSP_GUARD_OUTPUT)) {
         csp_watch_output(csp, guard);
     } else {
         csp_watch_input(csp, guard);
@@ -135,26 +135,23 @@ csp_progress csp_interruptible_again(csp_kernel *csp, csp_party *party, csp_inte
                 return CSP_FAILS;
             }
         }
-        if (alternative->pledged && csp_is_cancelled(party)) {
+        if (csp_is_pledged(alternative) && csp_is_cancelled(party)) {
             csp_interrupt_retract(csp, interrupt);
-            if (!alternative->pledged) {
+            if (!csp_is_pledged(alternative)) {
                 csp_unwatch_guard(&interrupt->guard);
                 return csp_refuse(csp, party);
             }
         }
-        if (alternative->pledged) {
+        if (csp_is_pledged(alternative)) {
             return CSP_WAITS;
         }
         csp_interrupt_retract(csp, interrupt);
         csp_unwatch_guard(&interrupt->guard);
-        interrupt->taken = alternative->solved || (alternative->woken && interrupt->body.cancelled);
-        const bool communicates = (interrupt->guard.kind == (uint8_t)CSP_GUARD_INPUT) ||
-                                  (interrupt->guard.kind == (uint8_t)CSP_GUARD_READY) ||
-                                  (interrupt->guard.kind == (uint8_t)CSP_GUARD_OUTPUT);
-        if (!interrupt->taken || alternative->solved) {
+        interrupt->taken = csp_is_solved(alternative) || (alternative->woken && interrupt->body.cancelled);
+        if (!interrupt->taken || csp_is_solved(alternative)) {
             return CSP_DONE;
         }
-        if (!communicates) {
+        if (interrupt->guard.medium == NULL) {
             return csp_is_cancelled(party) ? csp_refuse(csp, party) : CSP_DONE;
         }
         progress = communicate(csp, party, interrupt);

@@ -43,6 +43,9 @@
 #ifndef CSP_USES_ALTERNATIVES
 #define CSP_USES_ALTERNATIVES 1
 #endif
+#ifndef CSP_USES_WIDE_ALTERNATIVES
+#define CSP_USES_WIDE_ALTERNATIVES 1 /* of more guards than a word has bits */
+#endif
 #ifndef CSP_USES_TIME_OUTS
 #define CSP_USES_TIME_OUTS 1 /* of alternatives and interrupts */
 #endif
@@ -58,6 +61,8 @@
 #ifndef CSP_USES_INTERRUPTS
 #define CSP_USES_INTERRUPTS 1
 #endif
+#define CSP_USES_CHOSEN_GUARDS (CSP_USES_ANY_CHANNELS || CSP_USES_BROADCASTS) /* by the process on the other side */
+#define CSP_USES_OUTPUT_GUARDS (CSP_USES_CHOSEN_GUARDS || CSP_USES_BUFFERS)
 #define CSP_USES_BRANCHES (CSP_USES_PARALLELS || CSP_USES_INTERRUPTS)
 
 /* ---- Texts ---- */

@@ -152,6 +152,15 @@ int64_t csp_port_now(void)
     return present;
 }
 
+enum { DIVIDENDS = 1 << 26, DIVISORS = 1 << 12 };
+
+/* By a multiplication, because a Cortex-M0 has no division: exact for any dividend below DIVIDENDS and constant divisor up to DIVISORS. */
+static inline uint32_t quotient(uint32_t dividend, uint32_t divisor)
+{
+    const uint64_t reciprocal = ((UINT64_C(1) << 38U) + (divisor - 1U)) / divisor;
+    return (uint32_t)((dividend * reciprocal) >> 38U);
+}
+
 /* The cycles in a time, rounded up, so that it is over after them; at most the longest sleep. */
 static uint32_t cycles_in(int64_t time)
 {
@@ -159,9 +168,10 @@ static uint32_t cycles_in(int64_t time)
     if (time >= longest) {
         return LONGEST;
     }
-    if (((NANOSECONDS % CSP_CORTEX_M_CLOCK) == 0) && (longest <= (int64_t)UINT32_MAX)) {
-        const uint32_t of_cycle = (uint32_t)(NANOSECONDS / CSP_CORTEX_M_CLOCK);
-        return ((uint32_t)time / of_cycle) + ((((uint32_t)time % of_cycle) != 0U) ? 1U : 0U);
+    const int64_t cycle = NANOSECONDS / CSP_CORTEX_M_CLOCK;
+    if (((NANOSECONDS % CSP_CORTEX_M_CLOCK) == 0) && (cycle <= (int64_t)DIVISORS) && ((longest + cycle) <= (int64_t)DIVIDENDS)) {
+        const uint32_t of_cycle = (uint32_t)cycle;
+        return quotient((uint32_t)time + (of_cycle - 1U), of_cycle);
     }
     return (uint32_t)(((time * CSP_CORTEX_M_CLOCK) + NANOSECONDS - 1) / NANOSECONDS);
 }

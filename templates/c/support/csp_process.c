@@ -2,7 +2,10 @@
 #include "csp_arithmetic.h"
 #include "csp_internal.h"
 
-static const csp_error no_error;
+static void clear_error(csp_kernel *csp)
+{
+    (void)memset(&csp->error, 0, sizeof csp->error);
+}
 
 void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number)
 {
@@ -46,7 +49,7 @@ void *csp_object_at(const csp_process *process, const csp_place *place)
 csp_progress csp_raise(csp_kernel *csp, csp_party *party, uint16_t exception, const char *place)
 {
     csp_observe_loop(csp, NULL);
-    csp->error = no_error;
+    clear_error(csp);
     csp->error.exception = exception;
     csp->error.place = place;
     csp->error.process = (const csp_process *)(const void *)party;
@@ -76,7 +79,7 @@ csp_progress csp_refuse(csp_kernel *csp, const csp_party *party)
 {
     (void)party;
     csp_observe_loop(csp, NULL);
-    csp->error = no_error;
+    clear_error(csp);
     csp->error.exception = CSP_CANCELLATION;
     return CSP_FAILS;
 }
@@ -102,7 +105,7 @@ bool csp_catch(csp_kernel *csp, uint16_t exception)
     if (csp->error.exception != exception) {
         return false;
     }
-    csp->error = no_error;
+    clear_error(csp);
     return true;
 }
 
@@ -190,7 +193,7 @@ csp_party *csp_end(csp_kernel *csp, csp_party *party)
     }
 #endif
     if (process->above == NULL) {
-        csp->error = no_error;
+        clear_error(csp);
     }
     return (csp_party *)process->above;
 }

@@ -68,7 +68,7 @@ csp_party *csp_fail(csp_kernel *csp, csp_party *party);
 void csp_unwind(csp_kernel *csp, csp_party *party);
 
 /* Raises an exception in the process; `place` is that of the statement; NULL: that of the present state. Always CSP_FAILS. */
-csp_progress csp_raise(csp_kernel *csp, csp_party *party, uint16_t exception, const char *place);
+CSP_COLD csp_progress csp_raise(csp_kernel *csp, csp_party *party, uint16_t exception, const char *place);
 /* Raises the Fault that is noted in csp_fault (csp_arithmetic.h). Always CSP_FAILS. */
 csp_progress csp_raise_fault(csp_kernel *csp, csp_party *party);
 

@@ -88,10 +88,10 @@ int main(void)
     const csp_driver in = {NULL, sample, NULL};
     const csp_driver events = {NULL, press, NULL};
     const csp_driver out = {NULL, NULL, put};
-    csp_sampled_input_init(&fast, 0U, 2 * MS, &fast_value, in);
-    csp_sampled_input_init(&slow, 1U, 4 * MS, &slow_value, in);
-    csp_event_input_init(&button, 2U, false, &button_value, events);
-    csp_latched_output_init(&drive, 3U, 2 * MS, &drive_value, out);
+    csp_sampled_input_init(&fast, 0U, 2 * MS, &fast_value, &in);
+    csp_sampled_input_init(&slow, 1U, 4 * MS, &slow_value, &in);
+    csp_event_input_init(&button, 2U, false, &button_value, &events);
+    csp_latched_output_init(&drive, 3U, 2 * MS, &drive_value, &out);
     csp_sampled_end_init(&fast_end, &fast, &scripts[1].ends);
     csp_sampled_end_init(&slow_end, &slow, &scripts[1].ends);
     csp_sampled_end_init(&late_end, &fast, &scripts[2].ends);

@@ -50,8 +50,8 @@ int main(void)
     const csp_driver none = {NULL, NULL, NULL};
     (void)setvbuf(stdout, NULL, _IOLBF, 0U);
     (void)signal(SIGUSR1, press);
-    csp_latched_output_init(&drive, 0U, INT64_C(1000000), &drive_value, out);
-    csp_event_input_init(&button, 1U, false, &button_value, none);
+    csp_latched_output_init(&drive, 0U, INT64_C(1000000), &drive_value, &out);
+    csp_event_input_init(&button, 1U, false, &button_value, &none);
     csp_event_input_accept(&button, &brought_value, sizeof(brought_value));
     listener[0].medium = &csp_event_reader(NULL, &button)->medium;
     script_init(&scripts[0], 1U, "Top", top);

@@ -236,13 +236,8 @@ class Interface:
             f"static bool read_{member}(void *device, void *value)",
             "{",
             f"    {name}_instance *const self = device;",
-            "    const bool came = self->hooks.sample(self->hooks.context,",
-            f"        {self.literals[port.key]}, &self->inputs);",
-            "    if (came) {",
-            f"        (void)memcpy(value, &self->inputs.{member},",
-            f"            sizeof self->inputs.{member});",
-            "    }",
-            "    return came;",
+            f"    return sample_input(self, {self.literals[port.key]}, value,",
+            f"        &self->inputs.{member}, sizeof self->inputs.{member});",
             "}",
         ]
 
@@ -262,10 +257,8 @@ class Interface:
             f"static void write_{member}(void *device, const void *value)",
             "{",
             f"    {name}_instance *const self = device;",
-            f"    (void)memcpy(&self->outputs.{member}, value,",
-            f"        sizeof self->outputs.{member});",
-            "    self->hooks.actuate(self->hooks.context,",
-            f"        {self.literals[port.key]}, &self->outputs, csp_is_releasing(&self->network.kernel));",
+            f"    actuate_output(self, {self.literals[port.key]}, value,",
+            f"        &self->outputs.{member}, sizeof self->outputs.{member});",
             "}",
         ]
 

@@ -249,7 +249,7 @@ class _NetworkFiles:
         ]
         drivers = _driver_lvalues(self.network, self.types)
         for number, (port, driver) in enumerate(zip(ports, drivers, strict=True)):
-            statements += self._port_initialization(port, members[port.key], unsigned(number), driver)
+            statements += self._port_initialization(port, members[port.key], unsigned(number), address(driver))
         statements.append(store("numbers.channel", unsigned(len(ports))) if ports else run("(void)drivers"))
         statements.append(run(self._initialize()))
         return statements

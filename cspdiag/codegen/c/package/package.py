@@ -244,6 +244,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         if files[path] is not text:
             raise TargetError(f"{path}, written by hand, has the name of a generated file: rename it")
     sources = [text for path, text in files.items() if path.endswith(".c")]
+    program = [text for path, text in files.items() if path.endswith((".c", ".h"))]
     for path in files.keys() - by_hand.keys():
         template = _FILE_TEMPLATES.get(path[-2:])
         if template is not None:
@@ -252,7 +253,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     kernel_headers = [text for path, text in support.items() if path.endswith(".h") and path != _OF_BOARD]
     files[NAMES] = names_header(project.package, sources, kernel_headers)
     files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path != _CONFIGURATION})
-    files[PARTS] = parts_header(files[PARTS], sources)
+    files[PARTS] = parts_header(files[PARTS], program)
     files.update({path: first_included(path, text) for path, text in by_hand.items() if path.endswith(".c")})
     library = Library(project.package, project.top, project.source, one_line(description))
     return Package(files, by_hand.keys() - devices.keys(), project, library, interface)

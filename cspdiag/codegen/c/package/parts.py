@@ -18,6 +18,7 @@ _BEGUN_BY: Mapping[str, tuple[str, ...]] = {
     "LATCHED_OUTPUTS": ("csp_latched_output_init(",),
     "ALIKE_PORTS": (".alike =",),
     "ALTERNATIVES": ("csp_alternative_init(",),
+    "WIDE_ALTERNATIVES": ("csp_word ",),
     "TIME_OUTS": ("csp_guard_after(",),
     "DELAYS": ("csp_wait(",),
     "OFFERS": ("csp_offers_init(",),
@@ -28,7 +29,8 @@ _BEGUN_BY: Mapping[str, tuple[str, ...]] = {
 
 
 def parts_header(text: str, sources: Iterable[str]) -> str:
-    """The header for a program, from that of the kernel; ``sources`` are those of the program, by hand included."""
+    """The header for a program, from that of the kernel; ``sources`` are its sources and headers, by hand
+    included."""
     program = "\n".join(sources)
     for part, functions in _BEGUN_BY.items():
         used = f"#define CSP_USES_{part} 1"

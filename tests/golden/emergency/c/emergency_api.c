@@ -26,16 +26,31 @@ typedef char emergency_size_suffices[(sizeof(emergency_instance) <= EMERGENCY_SI
 /* Identifies the program and its kernel. */
 static const uint32_t build = UINT32_C(0x00000000);
 
+/* Asks for the sample of an input, which is in this member of the inputs then. */
+static bool sample_input(emergency_instance *self, emergency_input input, void *value,
+    const void *member, size_t size)
+{
+    const bool came = self->hooks.sample(self->hooks.context, input, &self->inputs);
+    if (came) {
+        (void)memcpy(value, member, size);
+    }
+    return came;
+}
+
+/* Hands over the value of an output, by this member of the outputs. */
+static void actuate_output(emergency_instance *self, emergency_output output,
+    const void *value, void *member, size_t size)
+{
+    (void)memcpy(member, value, size);
+    self->hooks.actuate(self->hooks.context, output, &self->outputs,
+        csp_is_releasing(&self->network.kernel));
+}
+
 static bool read_feedback(void *device, void *value)
 {
     emergency_instance *const self = device;
-    const bool came = self->hooks.sample(self->hooks.context,
-        EMERGENCY_IN_FEEDBACK, &self->inputs);
-    if (came) {
-        (void)memcpy(value, &self->inputs.feedback,
-            sizeof self->inputs.feedback);
-    }
-    return came;
+    return sample_input(self, EMERGENCY_IN_FEEDBACK, value,
+        &self->inputs.feedback, sizeof self->inputs.feedback);
 }
 
 static bool poll_panel(void *device, void *value)
@@ -48,28 +63,22 @@ static bool poll_panel(void *device, void *value)
 static void write_control(void *device, const void *value)
 {
     emergency_instance *const self = device;
-    (void)memcpy(&self->outputs.control, value,
-        sizeof self->outputs.control);
-    self->hooks.actuate(self->hooks.context,
-        EMERGENCY_OUT_CONTROL, &self->outputs, csp_is_releasing(&self->network.kernel));
+    actuate_output(self, EMERGENCY_OUT_CONTROL, value,
+        &self->outputs.control, sizeof self->outputs.control);
 }
 
 static void write_brake(void *device, const void *value)
 {
     emergency_instance *const self = device;
-    (void)memcpy(&self->outputs.brake, value,
-        sizeof self->outputs.brake);
-    self->hooks.actuate(self->hooks.context,
-        EMERGENCY_OUT_BRAKE, &self->outputs, csp_is_releasing(&self->network.kernel));
+    actuate_output(self, EMERGENCY_OUT_BRAKE, value,
+        &self->outputs.brake, sizeof self->outputs.brake);
 }
 
 static void write_halted(void *device, const void *value)
 {
     emergency_instance *const self = device;
-    (void)memcpy(&self->outputs.halted, value,
-        sizeof self->outputs.halted);
-    self->hooks.actuate(self->hooks.context,
-        EMERGENCY_OUT_HALTED, &self->outputs, csp_is_releasing(&self->network.kernel));
+    actuate_output(self, EMERGENCY_OUT_HALTED, value,
+        &self->outputs.halted, sizeof self->outputs.halted);
 }
 
 /* ---- The hooks of the kernel ---- */

@@ -79,18 +79,18 @@ void network_initialize(struct network *self, const struct network_drivers *driv
     csp_numbers numbers = {.csp = csp, .process = 1U, .channel = 0U};
     (void)memset(self, 0, sizeof(*self));
     csp_build(csp, &network_program, hooks);
-    csp_event_input_init(&self->external.panel, 0U, false, &self->present.panel, drivers->panel);
+    csp_event_input_init(&self->external.panel, 0U, false, &self->present.panel, &drivers->panel);
     csp_event_input_accept(&self->external.panel, &self->brought.panel,
         sizeof(self->brought.panel));
     csp_sampled_input_init(&self->external.feedback, 1U, 2 * CSP_MS, &self->present.feedback,
-        drivers->feedback);
+        &drivers->feedback);
     csp_latched_output_init(&self->external.control, 2U, 2 * CSP_MS, &self->present.control,
-        drivers->control);
+        &drivers->control);
     self->external.control.name = "Spindle.control";
     csp_latched_output_init(&self->external.brake, 3U, 2 * CSP_MS, &self->present.brake,
-        drivers->brake);
+        &drivers->brake);
     self->external.brake.name = "Spindle.brake";
-    csp_direct_output_init(&self->external.halted, 4U, drivers->halted);
+    csp_direct_output_init(&self->external.halted, 4U, &drivers->halted);
     self->external.halted.name = "Spindle.halted";
     numbers.channel = 5U;
     spindle_initialize(&self->top, &numbers,

@@ -26,52 +26,52 @@ typedef char jiwy_size_suffices[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
 /* Identifies the program and its kernel. */
 static const uint32_t build = UINT32_C(0x00000000);
 
+/* Asks for the sample of an input, which is in this member of the inputs then. */
+static bool sample_input(jiwy_instance *self, jiwy_input input, void *value,
+    const void *member, size_t size)
+{
+    const bool came = self->hooks.sample(self->hooks.context, input, &self->inputs);
+    if (came) {
+        (void)memcpy(value, member, size);
+    }
+    return came;
+}
+
+/* Hands over the value of an output, by this member of the outputs. */
+static void actuate_output(jiwy_instance *self, jiwy_output output,
+    const void *value, void *member, size_t size)
+{
+    (void)memcpy(member, value, size);
+    self->hooks.actuate(self->hooks.context, output, &self->outputs,
+        csp_is_releasing(&self->network.kernel));
+}
+
 static bool read_joystick_horizontal(void *device, void *value)
 {
     jiwy_instance *const self = device;
-    const bool came = self->hooks.sample(self->hooks.context,
-        JIWY_IN_JOYSTICK_HORIZONTAL, &self->inputs);
-    if (came) {
-        (void)memcpy(value, &self->inputs.joystick_horizontal,
-            sizeof self->inputs.joystick_horizontal);
-    }
-    return came;
+    return sample_input(self, JIWY_IN_JOYSTICK_HORIZONTAL, value,
+        &self->inputs.joystick_horizontal, sizeof self->inputs.joystick_horizontal);
 }
 
 static bool read_joystick_vertical(void *device, void *value)
 {
     jiwy_instance *const self = device;
-    const bool came = self->hooks.sample(self->hooks.context,
-        JIWY_IN_JOYSTICK_VERTICAL, &self->inputs);
-    if (came) {
-        (void)memcpy(value, &self->inputs.joystick_vertical,
-            sizeof self->inputs.joystick_vertical);
-    }
-    return came;
+    return sample_input(self, JIWY_IN_JOYSTICK_VERTICAL, value,
+        &self->inputs.joystick_vertical, sizeof self->inputs.joystick_vertical);
 }
 
 static bool read_feedback_horizontal(void *device, void *value)
 {
     jiwy_instance *const self = device;
-    const bool came = self->hooks.sample(self->hooks.context,
-        JIWY_IN_FEEDBACK_HORIZONTAL, &self->inputs);
-    if (came) {
-        (void)memcpy(value, &self->inputs.feedback_horizontal,
-            sizeof self->inputs.feedback_horizontal);
-    }
-    return came;
+    return sample_input(self, JIWY_IN_FEEDBACK_HORIZONTAL, value,
+        &self->inputs.feedback_horizontal, sizeof self->inputs.feedback_horizontal);
 }
 
 static bool read_feedback_vertical(void *device, void *value)
 {
     jiwy_instance *const self = device;
-    const bool came = self->hooks.sample(self->hooks.context,
-        JIWY_IN_FEEDBACK_VERTICAL, &self->inputs);
-    if (came) {
-        (void)memcpy(value, &self->inputs.feedback_vertical,
-            sizeof self->inputs.feedback_vertical);
-    }
-    return came;
+    return sample_input(self, JIWY_IN_FEEDBACK_VERTICAL, value,
+        &self->inputs.feedback_vertical, sizeof self->inputs.feedback_vertical);
 }
 
 static bool poll_joystick_buttons(void *device, void *value)
@@ -84,19 +84,15 @@ static bool poll_joystick_buttons(void *device, void *value)
 static void write_control_horizontal(void *device, const void *value)
 {
     jiwy_instance *const self = device;
-    (void)memcpy(&self->outputs.control_horizontal, value,
-        sizeof self->outputs.control_horizontal);
-    self->hooks.actuate(self->hooks.context,
-        JIWY_OUT_CONTROL_HORIZONTAL, &self->outputs, csp_is_releasing(&self->network.kernel));
+    actuate_output(self, JIWY_OUT_CONTROL_HORIZONTAL, value,
+        &self->outputs.control_horizontal, sizeof self->outputs.control_horizontal);
 }
 
 static void write_control_vertical(void *device, const void *value)
 {
     jiwy_instance *const self = device;
-    (void)memcpy(&self->outputs.control_vertical, value,
-        sizeof self->outputs.control_vertical);
-    self->hooks.actuate(self->hooks.context,
-        JIWY_OUT_CONTROL_VERTICAL, &self->outputs, csp_is_releasing(&self->network.kernel));
+    actuate_output(self, JIWY_OUT_CONTROL_VERTICAL, value,
+        &self->outputs.control_vertical, sizeof self->outputs.control_vertical);
 }
 
 /* ---- The hooks of the kernel ---- */

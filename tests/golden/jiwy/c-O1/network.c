@@ -163,22 +163,22 @@ void network_initialize(struct network *self, const struct network_drivers *driv
         (void)network_set(self, parameters);
     }
     csp_sampled_input_init(&self->external.joystick_horizontal, 0U, 2 * CSP_MS,
-        &self->present.joystick_horizontal, drivers->joystick_horizontal);
+        &self->present.joystick_horizontal, &drivers->joystick_horizontal);
     csp_sampled_input_init(&self->external.joystick_vertical, 1U, CSP_MS,
-        &self->present.joystick_vertical, drivers->joystick_vertical);
+        &self->present.joystick_vertical, &drivers->joystick_vertical);
     csp_event_input_init(&self->external.joystick_buttons, 2U, true,
-        &self->present.joystick_buttons, drivers->joystick_buttons);
+        &self->present.joystick_buttons, &drivers->joystick_buttons);
     csp_event_input_accept(&self->external.joystick_buttons, &self->brought.joystick_buttons,
         sizeof(self->brought.joystick_buttons));
     csp_sampled_input_init(&self->external.feedback_horizontal, 3U, 2 * CSP_MS,
-        &self->present.feedback_horizontal, drivers->feedback_horizontal);
+        &self->present.feedback_horizontal, &drivers->feedback_horizontal);
     csp_sampled_input_init(&self->external.feedback_vertical, 4U, CSP_MS,
-        &self->present.feedback_vertical, drivers->feedback_vertical);
+        &self->present.feedback_vertical, &drivers->feedback_vertical);
     csp_latched_output_init(&self->external.control_horizontal, 5U, 2 * CSP_MS,
-        &self->present.control_horizontal, drivers->control_horizontal);
+        &self->present.control_horizontal, &drivers->control_horizontal);
     self->external.control_horizontal.name = "Jiwy.control_horizontal";
     csp_latched_output_init(&self->external.control_vertical, 6U, CSP_MS,
-        &self->present.control_vertical, drivers->control_vertical);
+        &self->present.control_vertical, &drivers->control_vertical);
     self->external.control_vertical.name = "Jiwy.control_vertical";
     numbers.channel = 7U;
     jiwy_initialize(&self->top, &numbers,
