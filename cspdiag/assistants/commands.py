@@ -14,7 +14,9 @@ from cspdiag.base.record import record
 LONGEST = 20_000
 """The number of characters of a text that is returned; an assistant could not read more."""
 _LONGEST_END = 10.0
-"""Seconds in which a command ends that was asked to."""
+"""Seconds in which all commands end that were asked to."""
+_TIME_TO_REPORT = 8.0
+"""Seconds in which a command that took too long says how far it came; on a busy machine it needs several."""
 PATIENCE = 30.0
 """Seconds that a command may take beyond the time that it was given."""
 
@@ -89,7 +91,7 @@ async def end_all() -> None:
 async def _ended(
     process: asyncio.subprocess.Process, communication: asyncio.Future[tuple[bytes, bytes]]
 ) -> tuple[bytes, bytes]:
-    for number, patience in ((signal.SIGINT, 3.0), (signal.SIGKILL, None)):
+    for number, patience in ((signal.SIGINT, _TIME_TO_REPORT), (signal.SIGKILL, None)):
         with suppress(ProcessLookupError):
             os.killpg(process.pid, number)
         with suppress(asyncio.TimeoutError):

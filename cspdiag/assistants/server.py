@@ -28,7 +28,7 @@ with the bodies in Python that it has."""
 File = Annotated[str, Field(description="a program, as a path relative to the folder")]
 Process = Annotated[str | None, Field(description="a process; the outermost one by default")]
 Settings = Annotated[
-    dict[str, str | float] | None,
+    dict[str, bool | str | float] | None,
     Field(description='constants and parameters: {"Tsh": "10 ms", "gains.kp": 3, "pan.inertia": 2e-3}'),
 ]
 Seconds = Annotated[float, Field(gt=0, le=3600, description="the time limit in seconds")]
@@ -178,11 +178,11 @@ class _Tools:
         executed.
         """
         name = self._program(file)
-        chosen = () if environment is None else ("--environment", environment)
+        chosen = () if environment is None else (f"--environment={environment}",)
         with TemporaryDirectory() as folder:
             ended, picture = Path(folder, "run.json"), Path(folder, "run.png")
             done = await self._command(
-                "run", "--for", duration.replace(" ", ""), *chosen, *_options(None, settings), "--json",
+                "run", f"--for={duration.replace(' ', '')}", *chosen, *_options(None, settings), "--json",
                 str(ended), *(("--plot", str(picture)) if plot else ()), "--", name, seconds=seconds, may_fail=True,
             )  # fmt: skip
             lines = [_without_written(done)]
@@ -210,7 +210,7 @@ class _Tools:
         marked.
         """
         name = self._program(file)
-        chosen = () if process is None else ("--process", process)
+        chosen = () if process is None else (f"--process={process}",)
         with TemporaryDirectory() as folder:
             # In a folder a picture has the name of what it shows.
             done = await self._command(
@@ -266,9 +266,13 @@ class _Tools:
 _VERDICTS = ("proved", "refuted", "unknown")
 
 
-def _options(process: str | None, settings: dict[str, str | float] | None) -> list[str]:
-    chosen = [] if process is None else ["--process", process]
-    return chosen + [word for name, value in (settings or {}).items() for word in ("--set", f"{name}={value}")]
+def _options(process: str | None, settings: dict[str, bool | str | float] | None) -> list[str]:
+    # With `=`, because a value may begin as an option does; and what is true in JSON is `true`, not 1.
+    chosen = [] if process is None else [f"--process={process}"]
+    values = {
+        name: str(value).lower() if isinstance(value, bool) else value for name, value in (settings or {}).items()
+    }
+    return chosen + [f"--set={name}={value}" for name, value in values.items()]
 
 
 def _without_written(done: Finished) -> str:

@@ -182,6 +182,7 @@ def test_a_proof_is_made_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_wrong_programs_and_names_get_an_answer(folder: Path) -> None:
     (folder / "wrong.csp").write_text(RELAY.replace("? held", "? hold"))
+    (folder / "gain.csp").write_text(f"const gain = 1.5\n{RELAY}")
     (folder / "link.csp").symlink_to(folder.parent / "other.csp")
     (folder / "loop.csp").symlink_to("loop.csp")
     os.mkfifo(folder / "pipe.csp")
@@ -189,7 +190,7 @@ def test_wrong_programs_and_names_get_an_answer(folder: Path) -> None:
 
     async def use(client: Client) -> None:
         listed = structured(await client.call_tool("programs", {}))["programs"]
-        assert sorted(listed) == ["cut.csp", "parts/relay.csp", "stuck.csp", "wrong.csp"]
+        assert sorted(listed) == ["cut.csp", "gain.csp", "parts/relay.csp", "stuck.csp", "wrong.csp"]
         wrong = await client.call_tool("check", {"file": "wrong.csp"})
         (found,) = structured(wrong)["diagnostics"]
         assert (found["code"], found["file"], found["line"]) == ("E0204", "wrong.csp", 10)
@@ -218,6 +219,10 @@ def test_wrong_programs_and_names_get_an_answer(folder: Path) -> None:
             ("run", {"file": "stuck.csp", "duration": "soon"}, "is not a time"),
             ("run", {"file": "stuck.csp", "seconds": -1}, "greater than 0"),
             ("run", {"file": "stuck.csp", "settings": {"x": 1}}, "x"),
+            ("run", {"file": "gain.csp", "settings": {"gain": True}}, "`true` is not of type double"),
+            ("run", {"file": "gain.csp", "settings": {"--help": 3}}, "there is no parameter '--help'"),
+            ("run", {"file": "gain.csp", "environment": "--help"}, "there is no environment `--help`"),
+            ("run", {"file": "gain.csp", "duration": "-1 s"}, "write a positive duration"),
             ("verify", {"file": "wrong.csp"}, "E0204"),
             ("verify", {"file": "stuck.csp", "process": "--help"}, "--help"),
             ("explain", {"code": "E9999"}, "E9999"),

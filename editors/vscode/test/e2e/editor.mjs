@@ -1,6 +1,6 @@
 // Starts code-server with the packed extension, and a browser that shows it.
 import { execFileSync, spawn } from "node:child_process";
-import { cpSync, mkdirSync, mkdtempSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import path from "node:path";
@@ -209,6 +209,22 @@ export class Editor {
     return lines.filter((line) => line.includes(`${this.folder}/`) && line.includes(`/bin/cspdiag ${verb}`)).map((line) => parseInt(line));
   }
 
+  /** All processes of this editor: its server, what that has started, and the terminals, which have sessions of their own. */
+  started() {
+    if (!existsSync("/proc")) return [];
+    return readdirSync("/proc")
+      .filter((name) => /^[0-9]+$/.test(name))
+      .map(Number)
+      .filter((pid) => {
+        try {
+          return readFileSync(`/proc/${pid}/environ`, "latin1").split("\0").includes(`HOME=${this.root}`);
+        } catch {
+          // It has ended, or is another user's.
+          return false;
+        }
+      });
+  }
+
   /** The processes that draw for this editor. */
   drawers() {
     const servers = this.servers();
@@ -229,6 +245,20 @@ export class Editor {
       process.kill(-this.server.pid);
     } catch {
       // It has ended already.
+    }
+    // Until they have gone, the server and what it has started write into the folder: logs, states, environments.
+    for (const [signal, seconds] of [["SIGTERM", 5], ["SIGKILL", 5]]) {
+      const end = Date.now() + 1000 * seconds;
+      for (let left = this.started(); left.length > 0 && Date.now() < end; left = this.started()) {
+        for (const pid of left) {
+          try {
+            process.kill(pid, signal);
+          } catch {
+            // It has ended already.
+          }
+        }
+        await new Promise((resolve) => setTimeout(resolve, 100));
+      }
     }
     rmSync(this.root, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });
   }
