@@ -117,6 +117,7 @@ test("the philosophers deadlock before one's eyes, and the suggestion fixes them
   for (let i = 0; i < 12; i++) await page.keyboard.press("ArrowRight");
   await page.locator("#ui-diagram .waiting").first().waitFor({ state: "attached" });
   assert.match(await page.locator("#ui-film .waits").textContent(), /philosopher\[0\] waits/);
+  assert.match(await page.locator("#ui-film .who-waits p").textContent(), /^In a ring each waits for the next: .*fork\[\d\], .*, and that again for /);
   await screenshot(page, "philosophers");
   await page.close();
 });

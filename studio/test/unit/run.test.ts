@@ -8,7 +8,7 @@ import { bounds, duration } from "../../src/run/parameters";
 import { colourOf, formula, pictureOf } from "../../src/run/plant";
 import { around, groups, instant, named, round } from "../../src/run/plots";
 import { text } from "../../src/run/value";
-import { sentence } from "../../src/run/waits";
+import { ring, sentence, summary } from "../../src/run/waits";
 
 const signal = (name: string, type: string, hand = true) => ({ name, type, direction: "in", hand });
 
@@ -123,6 +123,15 @@ test("who waits is said in one sentence", () => {
   assert.equal(sentence({ process: "a", channels: [] }), "a waits");
   assert.equal(sentence({ process: "a", channels: ["k"], for: "to read k", partners: ["b"] }), "a waits to read k, for b");
   assert.equal(sentence({ process: "a", channels: ["k"], for: "waits to write k", partners: ["b"] }), "a waits to write k, for b");
+});
+
+test("the ring of a deadlock is said in one sentence, with those who wait beside it", () => {
+  const waits = (process: string, ...partners: string[]) => ({ process, channels: [], partners });
+  const table = [waits("guest", "a"), waits("a", "left"), waits("left", "b"), waits("b", "right"), waits("right", "a")];
+  assert.deepEqual(ring(table), ["a", "left", "b", "right"]);
+  assert.equal(summary(table), "In a ring each waits for the next: a, left, b, right, and that again for a; beside them guest waits, too.");
+  assert.equal(summary([waits("a", "gone", "b"), waits("b", "a")]), "a and b wait for each other.");
+  assert.equal(summary([waits("a", "b"), waits("b", "c"), waits("d")]), "");
 });
 
 test("a film ends with who waits", () => {
