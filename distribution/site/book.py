@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import cspdiag
@@ -21,9 +22,18 @@ def browser() -> str | None:
 
 
 def write_book(site: Path, program: str) -> None:
-    """Print the document into the top folder of a built site. Raises CalledProcessError if the browser fails."""
+    """Print the document into the top folder of a built site. Raises CalledProcessError if the browser fails.
+
+    Browsers do not know on which page an element comes to lie while they print the contents. So it is printed twice:
+    the first document says where its headings are, and the numbers take the room that is left for them.
+    """
+    _print(site, program, {})
+    _print(site, program, pages_of_links((site / NAME).read_bytes()))
+
+
+def _print(site: Path, program: str, pages: Mapping[str, int]) -> None:
     printed = site / "reference" / "printed.html"
-    printed.write_text(document(site), encoding="utf-8")
+    printed.write_text(document(site, pages), encoding="utf-8")
     options = [
         "--headless",
         "--no-sandbox",
@@ -58,23 +68,48 @@ def _article(path: Path) -> str:
     return f'<article id="{path.stem}">{article}</article>'
 
 
-def document(site: Path) -> str:
-    """The document as HTML, for the folder ``reference`` of the site."""
+def pages_of_links(pdf: bytes) -> dict[str, int]:
+    """The page, from 1, of each identifier that a link of a document leads to, which a browser has printed."""
+    objects = dict(re.findall(rb"^(\d+) 0 obj\n(.*?)^endobj", pdf, re.MULTILINE | re.DOTALL))
+    (catalog,) = (each for each in objects.values() if each.startswith(b"<</Type /Catalog"))
+
+    def leaves(number: bytes) -> Iterator[bytes]:
+        kids = re.search(rb"/Kids \[([^\]]*)\]", objects[number]) if b"/Type /Pages" in objects[number] else None
+        if kids is None:
+            yield number
+        else:
+            for kid in re.findall(rb"(\d+) 0 R", kids[1]):
+                yield from leaves(kid)
+
+    def named(entry: bytes) -> bytes:
+        (reference,) = re.findall(rb"/%s (\d+) 0 R" % entry, catalog)
+        return bytes(reference)
+
+    numbers = {page: number for number, page in enumerate(leaves(named(b"Pages")), start=1)}
+    destinations = re.findall(rb"/([\w-]+) \[(\d+) 0 R /XYZ", objects[named(b"Dests")])
+    return {name.decode(): numbers[page] for name, page in destinations}
+
+
+def document(site: Path, pages: Mapping[str, int] | None = None) -> str:
+    """The document as HTML, for the folder ``reference`` of the site; the contents have the numbers of these pages."""
     articles = [_article(site / "reference" / f"{name}.html") for name in _PAGES]
     return (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>The language of cspdiag</title>'
         f'<link rel="stylesheet" href="../_static/pygments.css">'
         f"<style>{_STYLE.read_text(encoding='utf-8')}</style></head><body data-theme='light'>"
         f"<header><p>cspdiag {cspdiag.__version__}</p><p class='title'>The language, its notation and its semantics</p>"
-        f"<p>{_contents(articles)}</p></header>{''.join(articles)}</body></html>"
+        f"<p>{_contents(articles, pages or {})}</p></header>{''.join(articles)}</body></html>"
     )
 
 
-def _contents(articles: list[str]) -> str:
-    """The headings of the first two levels, with links."""
+def _contents(articles: list[str], pages: Mapping[str, int]) -> str:
+    """The headings of the first two levels, with links and pages."""
     found = [
         (level, identifier, re.sub(r"<[^>]*>", "", title))
         for article in articles
         for identifier, level, title in re.findall(r'<section id="([^"]*)">\s*<h([12])>(.*?)</h', article, re.DOTALL)
     ]
-    return "".join(f'<a class="level{level}" href="#{identifier}">{title}</a>' for level, identifier, title in found)
+    return "".join(
+        f'<a class="level{level}" href="#{identifier}"><span>{title}</span><span>{pages.get(identifier, "")}</span></a>'
+        for level, identifier, title in found
+    )

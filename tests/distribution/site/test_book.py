@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from distribution.site.book import NAME, browser, document, write_book
+from distribution.site.book import NAME, browser, document, pages_of_links, write_book
 
 PAGE = """<html><body><nav>around</nav><article role="main" id="furo-main-content">
 <section id="{name}"><h1>The {name}<a class="headerlink" href="#{name}">¶</a></h1>
@@ -31,7 +31,7 @@ def test_its_links_stay_in_it(site: Path) -> None:
     assert made.count('href="#language-time">there') == 3
     assert "elsewhere" in made
     assert "guides" not in made
-    assert '<a class="level2" href="#semantics-time">Time of semantics</a>' in made
+    assert '<a class="level2" href="#semantics-time"><span>Time of semantics</span><span></span></a>' in made
     for unwanted in ("around", "¶", "b.svg", ">play<"):
         assert unwanted not in made
 
@@ -41,5 +41,9 @@ def test_a_browser_prints_it(site: Path) -> None:
     if program is None:
         pytest.skip("no browser: install chromium")
     write_book(site, program)
-    assert (site / NAME).read_bytes().startswith(b"%PDF")
+    pdf = (site / NAME).read_bytes()
+    assert pdf.startswith(b"%PDF")
+    pages = pages_of_links(pdf)
+    assert [pages[name] for name in ("language-time", "notation-time", "semantics-time")] == [2, 3, 4]
+    assert "<span>Time of notation</span><span>3</span>" in document(site, pages)
     assert not (site / "reference" / "printed.html").exists()
