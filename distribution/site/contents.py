@@ -190,7 +190,11 @@ GALLERY = Section(
                     "The stolen button",
                     "A published design in which one joint takes the press from the other.",
                 ),
-                ("slow-loop", "Timing alone breaks a loop", "The same gains at 2 ms and at 10 ms."),
+                (
+                    "slow-loop",
+                    "Timing alone breaks a loop",
+                    "Gains that are stable at 2 ms, and at 10 ms swing from limit to limit.",
+                ),
                 ("two-rates", "Two rates", "A current loop at 10 kHz inside a speed loop at 1 kHz."),
                 ("emergency-stop", "Emergency stop", "An interrupt that abandons whatever is running."),
             ),
@@ -199,7 +203,7 @@ GALLERY = Section(
             "Models",
             _models(
                 ("jiwy", "JIWY", "A pan-and-tilt robot with two joints, four modes each."),
-                ("jiwy_mujoco", "JIWY in MuJoCo", "The same program on a machine with contacts."),
+                ("jiwy_mujoco", "JIWY in MuJoCo", "The same program on a machine with contacts; needs MuJoCo."),
                 ("cascade", "Cascade", "Two loops at two rates."),
                 ("emergency", "Spindle", "A spindle, its brake and its button."),
                 ("watchdog", "Watchdog", "A time-out, exceptions, and a way back."),
@@ -238,7 +242,7 @@ SECTIONS = (LEARN, GUIDES, REFERENCE, EXPLANATIONS, GALLERY)
 PICTURES = {
     "philosophers": "pictures/deadlock.svg",
     "button": "pictures/check.svg",
-    "slow-loop": "images/bode.svg",
+    "slow-loop": "slow.svg",
     "two-rates": "pictures/cascade.svg",
     "emergency-stop": "pictures/emergency.svg",
     "jiwy": "images/jiwy.svg",
@@ -251,7 +255,26 @@ PICTURES = {
     "ring": "pictures/ring.svg",
     "commstime": "pictures/commstime.svg",
 }
-"""The pictures of the first page of the gallery, by page, as seen from ``docs/``."""
+"""The pictures of the first page of the gallery, by page, as seen from ``docs/``, or that the page's commands make."""
 
 RUN = ("docs/lectures/", "models/")
 """Where the pages are whose commands are run when the site is built."""
+
+KEYWORDS = {
+    "learn/tutorial": "install, installation, getting started, first program",
+    "learn/language-in-brief": "cheat sheet, syntax",
+    "guides/timing": "gain margin, phase margin, delay margin, stability margin, sample period, deadline, Bode",
+    "guides/editors": "VS Code, Vim, Neovim, Emacs, language server",
+    "guides/recordings": "CSV, MCAP, ROS 2, rosbag, PlotJuggler, Foxglove",
+    "guides/devices": "gamepad, joystick, keyboard, CAN, MQTT, OPC UA, GPIO, serial port",
+    "guides/c": "FreeRTOS, Zephyr, microcontroller, flash, stack, real time, interrupt handler",
+    "guides/fmi": "FMU, FMI, Simulink, 20-sim, OpenModelica, co-simulation",
+    "guides/python": "numpy, pandas, notebook",
+    "reference/language": "rendezvous, broadcast, buffer, float32, units, parameter, environment, import",
+    "explanations/verification": "deadlock, deadlock free, livelock, counterexample, refinement, proof",
+    "gallery/emergency-stop": "emergency stop, interrupt",
+    "gallery/watchdog": "timeout, time-out, exception",
+}
+"""What readers search for, by the page that should come first; the search of the site finds a page by its title or by
+these words before it finds it by its text.
+"""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from distribution.site import front, generated
 from distribution.site.book import NAME as BOOK
-from distribution.site.contents import GALLERY, PICTURES, REFERENCE, RUN, SECTIONS, Entry, Section
+from distribution.site.contents import GALLERY, KEYWORDS, PICTURES, REFERENCE, RUN, SECTIONS, Entry, Section
 from distribution.site.markdown import Page, Playground, converted, fenced, play_link, prose, relative
 from distribution.site.pictures import dark, light
 from distribution.site.playground import program_of
@@ -48,11 +48,11 @@ class Site:
     def write(self) -> None:
         """Write all pages, and remove what is there from before."""
         self.save("index.md", front.page(self.page_at("index"), Shell(self.work / "index")))
-        for section in SECTIONS:
-            self.save(f"{section.folder}/index.md", self._index(section))
         for entry in _ENTRIES:
             if entry.source:
                 self.save(f"{entry.place}.md", self.page(entry))
+        for section in SECTIONS:  # With pictures that the commands of their pages have made.
+            self.save(f"{section.folder}/index.md", self._index(section))
         for path in _decisions():
             place = f"explanations/design/{path.stem}"
             if path.stem != "README":
@@ -88,6 +88,8 @@ class Site:
         text = self._named(page, converted(page, path.read_text(encoding="utf-8"), self.resolve, self.show))
         if entry.source.startswith("models/"):
             text += self._texts(page, path.parent)
+        if entry.place in KEYWORDS:
+            text = f"```{{index}} {KEYWORDS[entry.place]}\n```\n\n{text}"
         if entry.place == "explanations/design/README":
             text += _toctree([(path.stem, "") for path in _decisions() if path.stem != "README"])
         return text
@@ -165,7 +167,9 @@ class Site:
         picture = PICTURES.get(Path(entry.place).name) if entry.place.startswith("gallery/") else None
         if picture is None:
             return row
-        return f"{row}\n  {self.show(Page(ROOT / 'docs' / 'index.md', page.place), entry.name, picture)}\n"
+        shell = next((each.shell for each in self.pages if each.place == entry.place), None)
+        seen_from = Page(ROOT / "docs" / "index.md", page.place, shell)
+        return f"{row}\n  {self.show(seen_from, entry.name, picture)}\n"
 
     def _named(self, page: Page, text: str) -> str:
         """The text with links that name pages as the navigation does, and not as files."""

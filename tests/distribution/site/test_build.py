@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from distribution.site.contents import Entry
+from distribution.site.contents import KEYWORDS, Entry
 from distribution.site.highlighting import CspLexer
 from distribution.site.links import complaints
 from distribution.site.stage import Site
@@ -25,11 +25,14 @@ def test_programs_are_highlighted_by_the_scanner_of_the_language() -> None:
     assert kinds["/// Doc."] == "Token.Literal.String.Doc"
 
 
-def test_pages_are_built_without_warnings_and_without_dead_links(tmp_path: Path) -> None:
+def test_pages_are_built_without_warnings_and_without_dead_links(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("sphinx", reason="needs Sphinx: make site installs it, or pip install 'cspdiag[site]'")
     pytest.importorskip("furo", reason="needs furo: make site installs it, or pip install 'cspdiag[site]'")
     from sphinx.cmd.build import build_main
 
+    monkeypatch.setitem(KEYWORDS, "semantics", "gain margin, rendezvous")
     site = Site(tmp_path / "sources", tmp_path / "work")
     page = site.page(Entry("docs/semantics.md", "semantics", "", ""))
     site.save("semantics.md", re.sub(r"\]\((?!#)[^)]*\)", "](#time)", page))
@@ -38,4 +41,7 @@ def test_pages_are_built_without_warnings_and_without_dead_links(tmp_path: Path)
     assert build_main([*options, str(tmp_path / "sources"), str(tmp_path / "site")]) == 0
     found = [line for line in complaints(tmp_path / "site") if "playground" not in line and "#time" not in line]
     assert found == []
+    index = (tmp_path / "site" / "searchindex.js").read_text(encoding="utf-8")
+    (searched,) = re.findall(r'"?indexentries"?:\{([^}]*)\}', index)
+    assert re.findall(r'"?([\w ]+)"?:\[\[', searched) == ["gain margin", "rendezvous"]
     assert '<span class="k">process</span>' in (tmp_path / "site" / "index.html").read_text(encoding="utf-8")

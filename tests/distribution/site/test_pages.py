@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import cspdiag
-from distribution.site.contents import PICTURES, SECTIONS, Entry
+from distribution.site.contents import KEYWORDS, PICTURES, SECTIONS, Entry
 from distribution.site.front import plot, program
 from distribution.site.links import complaints
 from distribution.site.markdown import Page, converted
@@ -77,10 +77,18 @@ def test_links_name_pages_and_not_files(site: Site) -> None:
     assert ".md](" not in text
 
 
+def test_keywords_of_the_search_belong_to_pages_that_exist() -> None:
+    assert sorted(KEYWORDS) == sorted({entry.place for entry in ENTRIES} & set(KEYWORDS))
+    words = [word for line in KEYWORDS.values() for word in line.split(", ")]
+    assert len(set(words)) == len(words), "each leads to one page"
+
+
 def test_every_page_of_the_gallery_has_a_picture() -> None:
-    pages = [Path(entry.place).name for entry in ENTRIES if entry.place.startswith("gallery/")]
+    pages = {Path(entry.place).name: entry for entry in ENTRIES if entry.place.startswith("gallery/")}
     assert sorted(pages) == sorted(PICTURES)
-    assert [path for path in PICTURES.values() if not (ROOT / "docs" / path).exists()] == []
+    for name, picture in PICTURES.items():
+        made = f" --plot {picture}\n" in (ROOT / pages[name].source).read_text(encoding="utf-8")
+        assert made or (ROOT / "docs" / picture).exists(), picture
 
 
 def test_a_program_opens_in_the_playground_and_a_fragment_does_not(site: Site) -> None:
