@@ -47,26 +47,32 @@ class Shell:
 
         Raises CommandError for any other, and for a traceback.
         """
-        environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-        environment |= {"COLUMNS": "100", "PYTHONPATH": str(ROOT)}
         printed = []
         for command in commands.replace("\\\n", "").splitlines():
             if not command.strip() or command.startswith("#"):
                 continue
-            done = subprocess.run(
-                ["sh", "-c", command],
-                cwd=self.folder,
-                env=environment,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                timeout=_LIMIT,
-                check=False,
-            )
-            if done.returncode not in (0, 1) or "Traceback (most recent" in done.stdout:
-                raise CommandError(f"`{command}` ended with exit code {done.returncode}:\n{done.stdout}")
-            printed.append(done.stdout)
+            code, output = self.execute(command)
+            if code not in (0, 1) or "Traceback (most recent" in output:
+                raise CommandError(f"`{command}` ended with exit code {code}:\n{output}")
+            printed.append(output)
         return without_times("".join(printed))
+
+    def execute(self, command: str) -> tuple[int, str]:
+        """The exit code of a command, and what it prints."""
+        environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+        environment |= {"COLUMNS": "100", "PYTHONPATH": str(ROOT)}
+        done = subprocess.run(
+            ["sh", "-c", command],
+            cwd=self.folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=_LIMIT,
+            check=False,
+        )
+        return done.returncode, done.stdout
 
     @property
     def pictures(self) -> set[str]:
