@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from tests.codegen import networks
 
 ROOT = Path(__file__).parents[2]
@@ -29,7 +29,7 @@ def read(path: str) -> SourceFile:
 
 
 @cache
-def network(name: str) -> Network:
+def network(name: str) -> CoreNetwork:
     """The network of a model, of a program, or of a handmade one."""
     if name in networks.ALL:
         return networks.ALL[name]()

@@ -8,7 +8,7 @@ from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.render.text import render
 from cspdiag.model.types import Real
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 
 ROOT = Path(__file__).parents[2]
 LIBRARIES = {"models/jiwy/laws.csp", "models/jiwy/plant.csp", "models/dining/table.csp"}
@@ -40,7 +40,7 @@ def read(path: str) -> SourceFile:
     return SourceFile(name=path, text=(ROOT / path).read_text(encoding="utf-8"))
 
 
-def network_of(source: SourceFile, real: Real = "double") -> Network:
+def network_of(source: SourceFile, real: Real = "double") -> CoreNetwork:
     """The network of a program. Raises InvalidProgramError, with the diagnostics, if it has errors."""
     built = pipeline.build(source, read, real=real)
     if built.network is None:
@@ -48,6 +48,6 @@ def network_of(source: SourceFile, real: Real = "double") -> Network:
     return built.network
 
 
-def environments(network: Network) -> list[str | None]:
+def environments(network: CoreNetwork) -> list[str | None]:
     """The names of its environments without devices, which have no specification; or None to run without one."""
     return [environment.name for environment in network.environments if not environment.drivers] or [None]

@@ -12,7 +12,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native import run as native
 from tests.c_kernel.building import STRICT
 from tests.codegen.c.test_leaves import HEADER, NEEDS_COMPILER, SOURCE
@@ -66,7 +66,7 @@ void valve_calculate(struct valve *self);
 """
 
 
-def network_of(text: str, folder: Path) -> Network:
+def network_of(text: str, folder: Path) -> CoreNetwork:
     built = pipeline.build(SourceFile(name=str(folder / "tank.csp"), text=text), read_source)
     assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
     return built.network

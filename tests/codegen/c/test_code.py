@@ -12,6 +12,7 @@ from cspdiag.base.span import SourceFile
 from cspdiag.codegen.c.text.code import (
     AND,
     EQUALITY,
+    LINE_LENGTH,
     OR,
     PRODUCT,
     RELATION,
@@ -30,7 +31,6 @@ from cspdiag.codegen.c.text.code import (
     target,
 )
 from cspdiag.codegen.c.text.statements import (
-    LINE_LENGTH,
     If,
     Label,
     Remark,

@@ -79,7 +79,7 @@ def library(framework: str, folder: Path) -> Path:
 def test_an_application_links_all_of_the_library(framework: str, project: str, tmp_path: Path) -> None:
     package = library(framework, tmp_path)
     application = written({"CMakeLists.txt": project, "main.c": USER}, tmp_path / "application")
-    configure = ["cmake", "-S", application, "-B", tmp_path / "build", f"-DPACKAGE={package}"]
+    configure: list[str | Path] = ["cmake", "-S", application, "-B", tmp_path / "build", f"-DPACKAGE={package}"]
     subprocess.run(configure, check=True, capture_output=True)
     subprocess.run(["cmake", "--build", tmp_path / "build"], check=True, capture_output=True)
     assert subprocess.run([tmp_path / "build" / "application"], check=False).returncode == 0
@@ -92,8 +92,8 @@ def test_all_sources_compile_with_one_folder_of_headers(framework: str, tmp_path
     (package / "main.c").write_text(USER)
     sources = sorted((package / "src").rglob("*.c"))
     assert sources
-    command = ["gcc", "-std=gnu11", "-w", "-O0", "-Isrc", "main.c", *sources, "-lm", "-o", "application"]
-    compile_once(*command, cwd=package)
+    command: list[str | Path] = ["gcc", "-std=gnu11", "-w", "-O0", "-Isrc", "main.c", *sources, "-lm"]
+    compile_once(*command, "-o", "application", cwd=package)
     assert subprocess.run([package / "application"], check=False).returncode == 0
 
 
@@ -140,14 +140,15 @@ def test_the_usual_package_is_found_by_cmake_once_it_is_installed(tmp_path: Path
     user += "add_executable(user main.c)\ntarget_link_libraries(user jiwy::jiwy)\n"
     application = written({"CMakeLists.txt": user, "main.c": USER}, tmp_path / "user")
     prefix = tmp_path / "the prefix"
-    for command in (
+    commands: tuple[list[str | Path], ...] = (
         ["cmake", "-S", package, "-B", tmp_path / "one"],
         ["cmake", "--build", tmp_path / "one", "--target", "jiwy"],
         ["cmake", "--build", tmp_path / "one"],
         ["cmake", "--install", tmp_path / "one", "--prefix", prefix],
         ["cmake", "-S", application, "-B", tmp_path / "two", f"-DCMAKE_PREFIX_PATH={prefix}"],
         ["cmake", "--build", tmp_path / "two"],
-    ):
+    )
+    for command in commands:
         subprocess.run(command, check=True, capture_output=True)
     assert subprocess.run([tmp_path / "two" / "user"], check=False).returncode == 0
 

@@ -10,7 +10,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run import execute
@@ -160,7 +160,7 @@ environment Bench for Top step 1 ms {
 """
 
 
-def network_of(text: str, folder: Path) -> Network:
+def network_of(text: str, folder: Path) -> CoreNetwork:
     built = pipeline.build(SourceFile(name=str(folder / "case.csp"), text=text), read_source)
     assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
     return built.network

@@ -15,7 +15,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.sources import read_source
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native.memory import FunctionFacts, deepest, memory_report
 
 MODELS = Path(__file__).parents[3] / "models"
@@ -35,7 +35,7 @@ WARNINGS = (
 needs_compiler = pytest.mark.skipif(not COMPILERS, reason="there is no C compiler")
 
 
-def network_of(name: str) -> Network:
+def network_of(name: str) -> CoreNetwork:
     network = pipeline.build(read_source(str(MODELS / name)), read_source).network
     assert network is not None
     return network

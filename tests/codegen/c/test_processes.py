@@ -11,7 +11,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.run import execute
 from tests.support.compiling import compile_once
@@ -27,7 +27,7 @@ NEEDS_COMPILER = pytest.mark.skipif(
 )
 
 
-def network_of(path: Path) -> Network:
+def network_of(path: Path) -> CoreNetwork:
     built = pipeline.build(read_source(str(path)), read_source)
     assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
     return built.network

@@ -8,7 +8,7 @@ from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.codegen.c.package.refusals import refuse, refuse_devices
 from cspdiag.codegen.shared.target_error import TargetError
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 
 PROGRAM = """
 submodel Filter python "laws/filter.py:Filter" {
@@ -50,7 +50,7 @@ environment Real for Top {
 """
 
 
-def network(text: str) -> Network:
+def network(text: str) -> CoreNetwork:
     built = pipeline.build(SourceFile(name="rig.csp", text=text), lambda path: SourceFile(name=path, text=""))
     assert built.network is not None
     return built.network
