@@ -15,7 +15,7 @@ from cspdiag.model.names.instances import resolve_instance
 from cspdiag.model.names.references import end_of_channel
 from cspdiag.model.names.scopes import declare, definition_text
 from cspdiag.model.symbols import declared_at
-from cspdiag.model.types import UNKNOWN, ArrayType, RealType, Type
+from cspdiag.model.types import UNKNOWN, ArrayType, IntType, RealType, Type
 from cspdiag.model.units import DIMENSIONLESS, SECOND, divide
 from cspdiag.syntax import ast
 from cspdiag.syntax.walk import nodes
@@ -113,14 +113,17 @@ def _resolve_derivative(typer: Typer, item: ast.Derivative) -> None:
     state = _bind_state(typer, item.name)
     found = typer.context.program.types.get(state, UNKNOWN) if state else UNKNOWN
     value = typer.infer(item.value)
-    element, depth = found, 0
-    while isinstance(element, ArrayType):
-        element, depth = element.element, depth + 1
-    if not isinstance(element, RealType) or (element.unit == DIMENSIONLESS and agrees(value, found)):
+    element = _innermost(found)
+    is_bare = agrees(value, found) or isinstance(_innermost(value), IntType)
+    if not isinstance(element, RealType) or (element.unit == DIMENSIONLESS and is_bare):
         typer.require(item.value, found, _state_purpose(f"`der {item.name.text}`", state))
         return
     expected = _per_second(found)
     typer.require(item.value, expected, _state_purpose(f"`der {item.name.text}`", state))
+
+
+def _innermost(found: Type) -> Type:
+    return _innermost(found.element) if isinstance(found, ArrayType) else found
 
 
 def _per_second(found: Type) -> Type:
