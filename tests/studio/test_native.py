@@ -240,7 +240,6 @@ def test_a_law_in_c_that_does_not_compile_is_not_to_be_run_in_python(talk: Talk)
 
 def test_what_native_sessions_cannot_do_is_said(talk: Talk, monkeypatch: pytest.MonkeyPatch) -> None:
     assert talk.ask("hello")["able"]["native"]
-    assert "in real time the studio runs Python" in talk.refused("start", **program(KNOB), target="c", real_time=True)
     assert "python or c" in talk.refused("start", **program(KNOB), target="ada")
     text = KNOB.replace("submodel Still {", 'submodel Still python "still.py:Still" {').replace(
         "  knob = 1.0  lamps = 3", ""

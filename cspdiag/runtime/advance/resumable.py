@@ -108,9 +108,12 @@ class ResumableRun:
                 found.append((_path(task), words_of(waits), channels, place_of_wait(task)))
         return found
 
-    def end(self) -> Outcome:
-        """Ends the run, and releases the outputs, unless it has ended already."""
+    def end(self, at: int = 0) -> Outcome:
+        """Ends the run, and releases the outputs, unless it has ended already: at the present instant, or at a later
+        one up to which time has passed.
+        """
         if self.outcome is None:
+            self._scheduler.now = max(self._scheduler.now, at)
             self._end(Outcome("stopped", self.now))
         assert self.outcome is not None
         return self.outcome

@@ -92,7 +92,11 @@ class RunFailed(RunEnded):
         self.error = error
 
 
-class DriverError(Exception):
+class OutsideError(Exception):
+    """What ended a run is not the program itself; the text says it in a sentence."""
+
+
+class DriverError(OutsideError):
     """A driver failed at ``open``, ``read``, ``write`` or ``close``; the run ends with its outputs released."""
 
     def __init__(self, driver: str, port: str, operation: str, cause: BaseException, at: str | None = None) -> None:
@@ -103,7 +107,7 @@ class DriverError(Exception):
         self.operation = operation
 
 
-class EnvironmentFailure(Exception):  # noqa: N818 - not a fault of the program
+class EnvironmentFailure(OutsideError):  # noqa: N818 - not a fault of the program
     """The plant or the operator of an environment failed; the run ends with its outputs released."""
 
     def __init__(self, environment: str, cause: BaseException, place: str | None, at: str | None = None) -> None:
@@ -111,7 +115,7 @@ class EnvironmentFailure(Exception):  # noqa: N818 - not a fault of the program
         super().__init__(f"the environment {environment} failed: {kind_and_text(cause)}{where}")
 
 
-class HandlerError(Exception):
+class HandlerError(OutsideError):
     """A handler of a signal that does not belong to the runtime has raised an exception; the run ends with its outputs
     released.
     """
@@ -122,7 +126,7 @@ class HandlerError(Exception):
         super().__init__(f"the handler of {signal}{where} raised {kind_and_text(cause)}")
 
 
-class HangError(Exception):
+class HangError(OutsideError):
     """A step of the program does not end; the run ends with its outputs released."""
 
 
@@ -130,7 +134,7 @@ class ChannelMisuse(Exception):  # noqa: N818 - it says what was done
     """Two processes read, or two write, at the same time on a channel that allows one."""
 
 
-class PartnerLost(Exception):  # noqa: N818 - it says what has happened
+class PartnerLost(OutsideError):  # noqa: N818 - it says what has happened
     """Another host has ended its part of the program, or is silent; the run ends with its outputs released."""
 
 
@@ -153,9 +157,11 @@ target.
 
 
 def described(error: BaseException) -> str:
-    """The exception in the words of the program: its name, its text, and where it was raised."""
+    """The exception in the words of the program: its name, unless it is not of the program, its text, and where it was
+    raised.
+    """
     text = text_of(error)
-    if isinstance(error, DriverError | EnvironmentFailure | HandlerError | HangError | PartnerLost):
+    if isinstance(error, OutsideError):
         return text
     place = getattr(error, "place", None)
     noted = [note for note in getattr(error, "__notes__", []) if not note.startswith(ANOTHER_BRANCH)]

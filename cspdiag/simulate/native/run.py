@@ -229,11 +229,11 @@ def started(
     variables: Mapping[str, str],
     monitor: ProgramMonitor,
     given: GivenChanges,
-    errors: IO[bytes],
+    errors: IO[bytes] | None,
     descriptors: tuple[int, ...] = (),
 ) -> Iterator[tuple[subprocess.Popen[bytes], BufferedIOBase]]:
     """The program as a process, which inherits ``descriptors``, and what it writes; texts for people go to ``errors``,
-    a file, because a pipe that nobody reads would become full.
+    a file, because a pipe that nobody reads would become full; None: the standard error of this process.
 
     It has a session of its own: Ctrl-C reaches this process, which forwards it once, so outputs are released and
     everything is reported.
@@ -252,8 +252,7 @@ def started(
                 env={**os.environ, **variables},
                 stdin=subprocess.DEVNULL if on_board else None,
                 stdout=subprocess.DEVNULL if on_board else writing,
-                # Against the clock the program itself reports how late it met the instants.
-                stderr=None if program.real_time else errors,
+                stderr=errors,
                 start_new_session=True,
                 pass_fds=[
                     *([writing] if on_board else [monitor.descriptor, lifeline]),
@@ -296,7 +295,8 @@ def _run(
         stopping,
         ProgramMonitor() as monitor,
         TemporaryFile() as errors,
-        started(program, words, variables, monitor, given, errors) as (running, stream),
+        # Against the clock it reports how late it met the instants, for people who look on.
+        started(program, words, variables, monitor, given, None if program.real_time else errors) as (running, stream),
         Supervisor(running) as supervisor,
     ):
         reader = StreamReader(

@@ -51,12 +51,13 @@ class EndRecord:
 
 @record
 class HeldRecord:
-    """A steered run waits for an order: whether it has reached the instant of the last order, and the next instant at
-    which something may happen; None if there is none.
+    """A steered run waits for an order: whether it has reached the instant of the last order, the next instant at
+    which something may happen, None if there is none, and, if that was asked, which processes wait.
     """
 
     reached: bool
     next: int | None
+    waiting: tuple[WaitingRecord, ...] = ()
 
 
 @dataclass
@@ -221,7 +222,8 @@ class StreamReader:
             case Kind.PRESENT:
                 self.now = time
                 if first:
-                    self.held = HeldRecord(bool(second), value if value < _NEVER else None)
+                    self.held = HeldRecord(bool(second), value if value < _NEVER else None, tuple(self.waiting))
+                    self.waiting.clear()
             case Kind.CHANGED if value:
                 change = self.changes[number]
                 self._refusals.made(change)

@@ -8,6 +8,7 @@ import threading
 import time
 
 from cspdiag.base.errors import CspdiagError
+from cspdiag.runtime.kernel.exceptions import OutsideError
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread, name_of_signal
 from cspdiag.runtime.kernel.stopping import stopping
 
@@ -16,7 +17,7 @@ PATIENCE = 2.0
 _POLL_INTERVAL = 0.05
 
 
-class KilledError(CspdiagError):
+class KilledError(OutsideError, CspdiagError):
     """A native program had to be killed, for the reason in the message."""
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.python.plain.external import bodies
 from cspdiag.network.ir.external import devices_in_c, external_calls, file_of_fmu
-from cspdiag.network.ir.network import CoreNetwork, Environment
+from cspdiag.network.ir.network import CoreNetwork, DriverInstance, Environment
 from cspdiag.runtime.kernel.exceptions import kind_and_text
 from cspdiag.runtime.kernel.parameters import Change
 from cspdiag.runtime.kernel.stopping import stopping
@@ -66,10 +66,13 @@ def chosen_environment(network: CoreNetwork, name: str | None) -> Environment | 
 def _refuse_devices_in_c(environment: Environment) -> None:
     """Raises NoEnvironmentError for an environment that only native programs have."""
     for driver in devices_in_c(environment):
-        raise NoEnvironmentError(
-            f"{driver.external.span}: the driver `{driver.definition}` is written in C, which Python cannot call: "
-            "run it with --target c, or choose another environment with --environment"
-        )
+        advice = "run it with --target c, or choose another environment with --environment"
+        raise NoEnvironmentError(f"{device_in_c_refusal(driver)}: {advice}")
+
+
+def device_in_c_refusal(driver: DriverInstance) -> str:
+    """What is wrong with a driver that is written in C, and its place."""
+    return f"{driver.external.span}: the driver `{driver.definition}` is written in C, which Python cannot call"
 
 
 def built(

@@ -138,12 +138,6 @@ class LiveRun:
         return max(self._run.now, self._reached_instant) if self.outcome is None else self.outcome.time
 
     @property
-    def present(self) -> int:
-        """What the clock of a run in real time shows, in nanoseconds."""
-        assert self._paced is not None
-        return self._paced.present
-
-    @property
     def missed(self) -> dict[str, int]:
         """How many samples were missed until now, by the inputs of which some were."""
         top = f"{self.network.top}."
@@ -158,6 +152,11 @@ class LiveRun:
     def outcome(self) -> Outcome | None:
         """How it has ended, if it has."""
         return self._run.outcome
+
+    @property
+    def lateness(self) -> str:
+        """How late a run in real time was, for people, if its outcome does not say it."""
+        return ""
 
     def take(self, name: str, value: Any) -> None:
         """Take over an input from the next instant on; a value of its type."""
@@ -175,6 +174,15 @@ class LiveRun:
         """Continue up to an instant; False if ``wants_pause`` ended that before."""
         reached = self._run.advance(min(until, self._until), wants_pause)
         return self._reached(reached, until)
+
+    def keep_pace(self, duration: int) -> None:
+        """Continue a run in real time for so many nanoseconds of its clock."""
+        assert self._paced is not None
+        until = min(self._paced.present + duration, self._until)
+        self._run.advance(until)
+        instant = self.next_instant
+        is_late = instant is not None and until < self._until
+        self._reached(True, min(until, instant - 1) if instant is not None and is_late else until)
 
     def step(self, wants_pause: Callable[[], bool]) -> bool:
         """Continue until, after a step of a process, a pause is wanted; False if one was."""
@@ -211,7 +219,7 @@ class LiveRun:
 
     def end(self) -> Outcome:
         """End it where it is, and release the outputs, unless it has ended already."""
-        outcome = self._run.end()
+        outcome = self._run.end(self.now)
         if self._is_open:
             self._is_open = False
             self._look()

@@ -46,6 +46,8 @@ class Orders:
         self._give(_REPORT)
 
     def _give(self, kind: int, instant: int = 0, number: int = 0, value: bytes = b"") -> None:
+        if self._writing < 0:
+            return
         with suppress(BrokenPipeError):
             os.write(self._writing, _ORDER.pack(instant, kind, number, len(value), 0) + value)
 

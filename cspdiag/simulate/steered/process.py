@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterable
@@ -12,6 +14,8 @@ from typing import TYPE_CHECKING
 from weakref import finalize
 
 from cspdiag.base.errors import CspdiagError
+from cspdiag.runtime.kernel.exceptions import OutsideError
+from cspdiag.runtime.kernel.signals import exit_code_of
 from cspdiag.runtime.outcome import Outcome
 from cspdiag.simulate.native.monitor import ProgramMonitor
 from cspdiag.simulate.native.run import NativeProgram, how_it_ended, reported_outcome, started, variables_of
@@ -31,16 +35,22 @@ _AT_ONCE = 1 << 21
 """The most bytes of rows that are kept before a run is paused, so that they can be looked at."""
 _LONGEST = 2000
 """Bytes of what a program that has crashed has written for people."""
-_PATIENCE = 1.5
-"""Seconds in which the program is to end, first by itself, then by a signal after which it releases its outputs."""
+_PATIENCE_TO_PAUSE = 0.1
+"""Seconds in which the program pauses, unless one of its steps takes longer."""
+_PATIENCE_TO_END = 1.9
+"""Seconds in which the program is to end. One of which a step does not end releases its outputs after one second
+(``csp_signals.h``), so what has not ended then hangs in a device.
+"""
+_LATENESS = re.compile(rb"^\d+ instants, late by .*$", re.MULTILINE)
+"""What a program in real time writes at its end (``csp_port_posix.c``)."""
 
 
-class ProgramGoneError(CspdiagError):
+class ProgramGoneError(OutsideError, CspdiagError):
     """A native program has ended without a report, or had to be killed."""
 
 
 class SteeredProcess:
-    """A native program in virtual time, up to ``until``, which waits for orders at time 0.
+    """A native program up to ``until``: in virtual time it waits for orders at time 0, in real time it has begun.
 
     It ends with its outputs released when this process ends, however that happens. ``outcome`` is how it has ended.
     """
@@ -51,25 +61,30 @@ class SteeredProcess:
         self.orders = Orders()
         finalize(self, self.orders.close)  # Should it be forgotten before it has ended.
         self.outcome: Outcome | None = None
+        self.lateness = ""
+        """How late a run in real time was that has ended, for people."""
         self._program = program
         self._recorder = recorder
+        self._is_asked_to_pause = False
         steered = str(self.orders.descriptor)
         words = ["--observe", "all", "--for", str(until), "--steer", steered]
         if program.environment is not None:
             words += ["--environment", program.environment.name]
         with ExitStack() as entered:
             entered.callback(self.orders.close)
-            monitor = entered.enter_context(ProgramMonitor())
+            self._monitor = entered.enter_context(ProgramMonitor())
             given = entered.enter_context(given_changes(program.network, (), live=True))
             variables = entered.enter_context(variables_of(inputs))
             self._errors = entered.enter_context(TemporaryFile())
             self._process, self._stream = entered.enter_context(
                 started(
-                    program, [*words, *given.words], variables, monitor, given, self._errors, (self.orders.descriptor,)
+                    program, [*words, *given.words], variables, self._monitor, given, self._errors,
+                    (self.orders.descriptor,),
                 )
-            )
+            )  # fmt: skip
             self.orders.program_started()
             entered.callback(self._end_process)
+            entered.callback(self._ask_to_end)
             assert given.live is not None
             self._changes = given.live
             self._reader = StreamReader(
@@ -91,45 +106,81 @@ class SteeredProcess:
         """The samples that were missed until now, by the hierarchical names of the inputs."""
         return self._reader.missed
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has not carried out the last order: one of its steps takes long."""
+        return self.outcome is None and self._reader.held is None
+
     def plan(self, changes: Iterable[Change]) -> None:
         """Change parameters, at the first instants at or after the times of the changes."""
         self._changes.plan(changes)
 
+    def advance(self, until: int) -> None:
+        """Give the order to continue up to an instant, unless it ``is_busy``."""
+        self._await_answer()
+        self.orders.advance(until)
+
+    def step(self, until: int, communications: int) -> None:
+        """The same, until that many values were communicated."""
+        self._await_answer()
+        self.orders.step(until, communications)
+
+    def _await_answer(self) -> None:
+        self._reader.held = None
+        self._is_asked_to_pause = False
+
     def answer(self, wants_pause: Callable[[], bool] = lambda: False) -> HeldRecord:
-        """Read until the order that was given is carried out, or it is paused before that, or it has ended."""
+        """Read until the order that was given is carried out, or it is paused before that, or it has ended. If it does
+        not pause, because a step takes long, it is busy after that, and may be asked again.
+        """
         reader, kept = self._reader, self._recorder.rows
-        reader.held = None
-        is_asked = False
+        since: float | None = None
         while reader.held is None:
             ready, _, _ = select([self._stream], [], [], _INTERVAL)
-            if not is_asked and (wants_pause() or kept.size > _AT_ONCE):
-                self.orders.pause()
-                is_asked = True
+            if since is None and (wants_pause() or kept.size > _AT_ONCE):
+                since = time.monotonic()
+                if not self._is_asked_to_pause:
+                    self.orders.pause()
+                    self._is_asked_to_pause = True
             if ready and not self._read_some():
                 self._note_end()
                 return HeldRecord(True, None)
+            if since is not None and reader.held is None and time.monotonic() > since + _PATIENCE_TO_PAUSE:
+                return HeldRecord(False, None)
         return reader.held
 
-    def waiting(self) -> list[WaitingRecord]:
-        """The processes that wait."""
+    def keep_pace(self, seconds: float) -> None:
+        """Read what comes in this time from a program in real time, or until it has ended."""
+        over = time.monotonic() + seconds
+        while (left := over - time.monotonic()) > 0 and self._recorder.rows.size <= _AT_ONCE:
+            ready, _, _ = select([self._stream], [], [], left)
+            if ready and not self._read_some():
+                self._note_end()
+                return
+
+    def waiting(self) -> tuple[WaitingRecord, ...]:
+        """The processes that wait. Of a program that is busy it is not known."""
+        if self.is_busy:
+            return ()
+        self._await_answer()
         self.orders.report()
-        self.answer()
-        found, self._reader.waiting = self._reader.waiting, []
-        return found
+        return self.answer(lambda: True).waiting
 
     def end(self) -> None:
-        """Let it end where it is, and release its outputs."""
+        """Let it end where it is, and release its outputs; it is killed if it does not do that soon."""
         if self.outcome is not None:
             return
-        self.orders.close()
+        self._ask_to_end()
         if not self._reads_to_the_end():
-            self._process.terminate()
-            if not self._reads_to_the_end():
-                self._process.kill()
+            self._process.kill()
         self._note_end(is_wanted=True)
 
+    def _ask_to_end(self) -> None:
+        self.orders.close()
+        self._process.terminate()
+
     def _reads_to_the_end(self) -> bool:
-        over = time.monotonic() + _PATIENCE
+        over = time.monotonic() + _PATIENCE_TO_END
         while (left := over - time.monotonic()) > 0:
             ready, _, _ = select([self._stream], [], [], left)
             if ready and not self._read_some():
@@ -146,24 +197,43 @@ class SteeredProcess:
     def _note_end(self, *, is_wanted: bool = False) -> None:
         """It has ended, or was killed."""
         end, program = self._reader.end, self._program
+        self._end_process()
         if end is not None:
             self.outcome = reported_outcome(self._reader, end, program.environment, program.network)
         else:
-            error = self._account()
+            error = self._forced() if is_wanted else ProgramGoneError(f"the native program has failed: {self._why()}")
             self.outcome = Outcome("stopped" if is_wanted else "failed", self.now, None if is_wanted else error)
             if is_wanted:
                 self.outcome.release_errors.append(error)
+        self.outcome.real_time = program.real_time
+        self.lateness = b"\n".join(_LATENESS.findall(self._written())).decode()
 
-    def _account(self) -> ProgramGoneError:
-        self._end_process()
+    def _forced(self) -> ProgramGoneError:
+        """What is to be said of a program that could not end by itself."""
+        working = " and ".join(self._monitor.running_processes) or "the native program"
+        code = self._process.returncode
+        if code == exit_code_of(signal.SIGTERM):
+            text = f"{working} did not come to an end and was interrupted; the outputs have their safe values"
+        elif code == -signal.SIGKILL:
+            text = f"{working} did not come to an end within {_PATIENCE_TO_END:g} s, nor did what releases the outputs"
+            text = f"{text}: the native program was killed, and outputs may be as they were"
+        else:
+            text = f"the native program has failed: {self._why()}"
+        return ProgramGoneError(text)
+
+    def _why(self) -> str:
+        text = self._written()[:_LONGEST].decode("utf-8", "replace").strip()
+        return text or how_it_ended(self._process.returncode)
+
+    def _written(self) -> bytes:
+        """What it has written for people."""
         self._errors.seek(0)
-        text = self._errors.read(_LONGEST).decode("utf-8", "replace").strip()
-        return ProgramGoneError(f"the native program has failed: {text or how_it_ended(self._process.returncode)}")
+        return self._errors.read()
 
     def _end_process(self) -> None:
         """Nothing of it is left."""
         try:
-            self._process.wait(_PATIENCE)
+            self._process.wait(_PATIENCE_TO_END)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()

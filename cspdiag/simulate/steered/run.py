@@ -18,13 +18,12 @@ if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
     from cspdiag.runtime.kernel.parameters import Change
     from cspdiag.simulate.native.run import NativeProgram
-    from cspdiag.simulate.native.stream import HeldRecord
     from cspdiag.simulate.record.stored.inputs import RecordedInputs
 
 
 class SteeredRun:
-    """A native program in virtual time, from time 0 on, until ``until`` (nanoseconds). ``inputs`` are those for which
-    it was built.
+    """A native program from time 0 on, until ``until`` (nanoseconds): in virtual time, or in real time if it was built
+    for that; then the clock runs from now on. ``inputs`` are those for which it was built.
     """
 
     def __init__(self, program: NativeProgram, until: int | None = None, inputs: RecordedInputs | None = None) -> None:
@@ -32,7 +31,8 @@ class SteeredRun:
         self.environment = program.environment
         self.recorder = SteeredRecorder(self.network)
         self._until = END_OF_TIME if until is None else min(until, END_OF_TIME)
-        self._reached_instant = 0
+        self._goal = 0
+        """The instant up to which it was to continue last."""
         self._next: int | None = None
         self._coming = deque(() if inputs is None else sorted(inputs.parameter_changes, key=lambda change: change.time))
         self._free = free_inputs(self.network.external_ports, self.environment)
@@ -46,8 +46,7 @@ class SteeredRun:
     @property
     def now(self) -> int:
         """See ``LiveRun``."""
-        outcome = self._process.outcome
-        return max(self._process.now, self._reached_instant) if outcome is None else outcome.time
+        return self._process.now if self.outcome is None else self.outcome.time
 
     @property
     def missed(self) -> dict[str, int]:
@@ -64,6 +63,11 @@ class SteeredRun:
     def outcome(self) -> Outcome | None:
         """See ``LiveRun``."""
         return self._process.outcome
+
+    @property
+    def lateness(self) -> str:
+        """How late a run in real time was that has ended, for people."""
+        return self._process.lateness
 
     def take(self, name: str, value: Any) -> None:
         """See ``LiveRun``."""
@@ -82,30 +86,38 @@ class SteeredRun:
         self._process.plan([change])
 
     def advance(self, until: int, wants_pause: Callable[[], bool]) -> bool:
-        """See ``LiveRun``."""
+        """See ``LiveRun``. False, too, as long as a step takes long that has begun before."""
         if self.outcome is not None:
             return True
-        self._plan_until(until)
-        self._process.orders.advance(min(until, self._until))
-        return self._reached(self._process.answer(wants_pause), until)
+        if not self._process.is_busy:
+            self._goal = until
+            self._plan_until(until)
+            self._process.advance(min(until, self._until))
+        return self._reached(wants_pause) and self._goal >= until
 
     def communicate(self, count: int, wants_pause: Callable[[], bool]) -> bool:
         """See ``LiveRun``."""
         if self.outcome is not None:
             return True
-        self._plan_until(self._until)
-        self._process.orders.step(self._until, count)
-        return self._reached(self._process.answer(wants_pause), self._until)
+        if not self._process.is_busy:
+            self._goal = self._until
+            self._plan_until(self._until)
+            self._process.step(self._until, count)
+        return self._reached(wants_pause)
+
+    def keep_pace(self, duration: int) -> None:
+        """See ``LiveRun``."""
+        if self.outcome is None:
+            self._process.keep_pace(duration / 1e9)
 
     def _plan_until(self, until: int) -> None:
         """Plan the changes of a recording that are due."""
         while self._coming and self._coming[0].time <= until:
             self._process.plan([self._coming.popleft()])
 
-    def _reached(self, held: HeldRecord, until: int) -> bool:
+    def _reached(self, wants_pause: Callable[[], bool]) -> bool:
+        held = self._process.answer(wants_pause)
         self._next = held.next
-        if held.reached:
-            self._reached_instant = max(until, self._reached_instant)
         return held.reached
 
     def waiting(self, most: int) -> list[tuple[str, str, tuple[str, ...], str | None]]:

@@ -76,7 +76,16 @@ def _environment(program: Program, environment: ast.EnvironmentDefinition) -> Da
         "place": place_of(environment.name.span),
         "inputs": [name for name, direction in ports if direction == "in"],
         "outputs": [name for name, direction in ports if direction == "out"],
+        "drivers": list(_drivers(program, environment)),
     }
+
+
+def _drivers(program: Program, environment: ast.EnvironmentDefinition) -> Iterator[Data]:
+    """The drivers of an environment with the languages in which they are written; a device of cspdiag is Python."""
+    for instance in instances_in(environment):
+        driver = program.definitions.get(instance.definition.text)
+        if isinstance(driver, ast.DriverDefinition) and driver.external is not None:
+            yield {"name": driver.name.text, "language": external_body(driver.external).language}
 
 
 def _processes(program: Program, top: ast.ProcessDefinition) -> Iterator[Data]:

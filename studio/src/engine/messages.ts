@@ -46,6 +46,8 @@ export interface EnvironmentInfo {
   name: string;
   inputs: string[];
   outputs: string[];
+  /** With the languages in which they are written; a device of cspdiag is in another one than C. */
+  drivers?: { name: string; language: string }[];
 }
 
 export interface Field {

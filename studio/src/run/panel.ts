@@ -1,7 +1,7 @@
 /** The part of the page that runs the program: its buttons, its pictures, its past. */
 
 import { type Diagram, NOTHING } from "../diagram/diagram";
-import type { CheckResult, ParameterInfo, StartResult } from "../engine/messages";
+import type { CheckResult, EnvironmentInfo, ParameterInfo, StartResult } from "../engine/messages";
 import { button, element, options } from "../page/dom";
 import type { Trust } from "../program/trust";
 import type { Workspace } from "../program/workspace";
@@ -23,7 +23,6 @@ const FLASH = 100e6;
 const MOST_SHOWN = 8;
 const REAL_TIME = "real time";
 const CODE = "What runs: both do the same, C faster, after the C compiler has worked";
-const PYTHON_ONLY = "In real time the studio runs Python";
 const WATCHES = "Another page controls the program: take control first";
 /** What the button says that begins, pauses and resumes a run. */
 const LABELS = { idle: "Run", starting: "Starting", playing: "Pause", paused: "Resume", ended: "Again" } as const;
@@ -55,14 +54,16 @@ export class RunPanel {
   private readonly hand: Hand;
   private readonly parameters: Parameters;
   private known: ParameterInfo[] = [];
+  private environments: EnvironmentInfo[] = [];
   private recordings: readonly string[] = [];
   private ranVersion = -1;
   /** Whether this page controls the program. */
   private controls = true;
   private painting = false;
   private begun: unknown;
-  /** What the choice of the code says. */
-  private aboutCode = CODE;
+  /** Whether, and why not, this machine runs C. */
+  private runsC = false;
+  private aboutC = CODE;
 
   constructor(
     private readonly session: Session,
@@ -84,7 +85,10 @@ export class RunPanel {
         void session.play(this.chosenSpeed);
       }
     });
-    this.environment.addEventListener("change", () => void this.reset());
+    this.environment.addEventListener("change", () => {
+      this.offerCode();
+      void this.reset();
+    });
     this.inputs.addEventListener("change", () => void this.reset());
     this.code.addEventListener("change", () => void this.reset());
     this.scrub.addEventListener("input", () => void this.look(this.scrub.valueAsNumber * 1e6));
@@ -95,8 +99,9 @@ export class RunPanel {
   /** What the engine can do, why not, and the recordings that it has. */
   able(able: Record<string, boolean>, unable: Record<string, string>, recordings: readonly string[]): void {
     this.code.hidden = able["real_time"] !== true; // In a browser there is only Python.
-    (this.code.options[1] as HTMLOptionElement).disabled = able["native"] !== true;
-    this.aboutCode = unable["native"] === undefined ? CODE : `Not as C: ${unable["native"]}`;
+    this.runsC = able["native"] === true;
+    this.aboutC = unable["native"] === undefined ? CODE : `Not as C: ${unable["native"]}`;
+    this.offerCode();
     element("speed-real", HTMLOptionElement).hidden = able["real_time"] !== true;
     this.recordings = recordings;
     options(this.inputs, [["", "its own inputs"], ...recordings.map((name) => [name, `inputs of ${name}`] as const)]);
@@ -107,17 +112,35 @@ export class RunPanel {
   }
 
   private get target(): string {
-    return this.realTime ? "python" : this.code.value;
+    return this.code.value;
   }
 
   private get chosenSpeed(): number {
     return this.realTime ? 1 : Number(this.speed.value);
   }
 
+  /** Offers the code that can run here, with the drivers of the chosen environment. */
+  private offerCode(): void {
+    const drivers = this.environments.find((each) => each.name === this.environment.value)?.drivers ?? [];
+    const inC = drivers.find((driver) => driver.language === "c");
+    const inPython = drivers.find((driver) => driver.language !== "c");
+    const possible = { python: inC === undefined, c: this.runsC && inPython === undefined };
+    for (const option of this.code.options) {
+      option.disabled = !possible[option.value as "python" | "c"];
+    }
+    if (possible.python !== possible.c) {
+      this.code.value = possible.c ? "c" : "python";
+    }
+    this.code.title =
+      inC !== undefined ? `Not as Python: the driver ${inC.name} is written in C` : this.runsC && inPython !== undefined ? `Not as C: the driver ${inPython.name} is in Python` : this.aboutC;
+  }
+
   /** What the check found of environments and parameters. */
   checked(result: CheckResult): void {
+    this.environments = result.environments;
     const names = result.environments.map((each) => [each.name, each.name] as const);
     options(this.environment, names.length === 0 ? [["", "none"]] : names);
+    this.offerCode();
     if (JSON.stringify(result.parameters) !== JSON.stringify(this.known)) {
       this.known = result.parameters;
       this.parameters.open(this.known);
@@ -159,7 +182,7 @@ export class RunPanel {
     for (const room of [element("hand", HTMLElement), element("parameters", HTMLElement)]) {
       room.inert = !controls;
     }
-    for (const choice of [this.environment, this.inputs, this.speed]) {
+    for (const choice of [this.environment, this.inputs, this.code, this.speed]) {
       choice.disabled = !controls;
     }
     this.soon();
@@ -250,8 +273,6 @@ export class RunPanel {
     this.run.title = why ?? "F5";
     this.step.title = this.step.disabled && why !== undefined ? why : "To the next communication: F10";
     this.stop.title = this.controls ? "" : WATCHES;
-    this.code.disabled = this.realTime || !this.controls;
-    this.code.title = this.realTime ? PYTHON_ONLY : this.aboutCode;
     const any = started !== undefined;
     this.back.disabled = !any || session.shown <= 0;
     this.stop.disabled = !any || phase === "ended" || session.stopping || !this.controls;

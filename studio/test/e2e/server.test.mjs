@@ -194,8 +194,49 @@ test("a program runs as native code, is stepped and stopped, and can be looked b
   await page.getByText("ended by itself at").waitFor();
   await page.getByRole("button", { name: "Back" }).click();
   await page.locator("#ui-time", { hasText: / of / }).waitFor();
-  await page.getByRole("combobox", { name: "Speed" }).selectOption("real time");
-  await page.locator("#ui-code:disabled").waitFor();
-  assert.equal(await code.getAttribute("title"), "In real time the studio runs Python");
   await page.close();
+});
+
+test("native code keeps pace with the clock, too", async () => {
+  const page = await open();
+  const code = page.getByRole("combobox", { name: "Code that runs" });
+  await page.getByLabel("Example", { exact: true }).selectOption("watchdog");
+  await page.locator(".files button[aria-pressed=true]", { hasText: "watchdog.csp" }).waitFor();
+  await page.locator("#ui-environment option", { hasText: "Kitchen" }).waitFor({ state: "attached" });
+  if (await code.locator("option", { hasText: "C" }).isDisabled()) {
+    await page.close();
+    return;
+  }
+  await code.selectOption("C");
+  await page.getByLabel("Speed").selectOption("real time");
+  await page.locator("#ui-run-button").click();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.3, undefined, { timeout: 60_000 });
+  await page.locator("#ui-run-button:disabled").waitFor();
+  await page.locator("#ui-step:disabled").waitFor();
+  await screenshot(page, "native-real-time");
+  await page.getByRole("button", { name: "Stop" }).click();
+  await page.locator("#ui-run-note", { hasText: /stopped at [\d.]+ m?s\s+\d+ instants, late by / }).waitFor();
+  await page.close();
+});
+
+test("only the code is offered that can call the drivers of the environment", async () => {
+  const program = (driver, end) => `${driver}
+process Hold { in x : double @ 10 ms out y : double @ 10 ms safe 0.0 communication { var v : double = 0 } composition { mu (x ? v ; y ! v) } }
+submodel Still { out x : double x = 1.0 }
+environment Bench for Hold { still : Still valve : Valve(${end}) still.x -> x y -> valve.y }
+`;
+  for (const [text, other, why] of [
+    [program('driver Valve() c "valve.c" { in y : double }', ""), "Python", "Not as Python: the driver Valve is written in C"],
+    [program('driver Valve(port: int) device "udp" { in y : double }', "port = 9"), "C", "Not as C: the driver Valve is in Python"],
+  ]) {
+    const page = await open(`#code=${deflateRawSync(JSON.stringify({ files: { "hold.csp": text }, main: "hold.csp" })).toString("base64url")}`);
+    const code = page.getByRole("combobox", { name: "Code that runs" });
+    await page.locator("#ui-environment option", { hasText: "Bench" }).waitFor({ state: "attached" });
+    if ((await page.locator("#ui-code[title*='such command']").count()) === 0) {
+      await page.locator("#ui-code option:disabled", { hasText: other }).waitFor({ state: "attached" });
+      assert.equal(await code.getAttribute("title"), why);
+      assert.notEqual(await code.inputValue(), other.toLowerCase());
+    }
+    await page.close();
+  }
 });

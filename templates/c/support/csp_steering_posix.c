@@ -14,9 +14,13 @@
 #include "csp_shared.h"
 #include "csp_simulation_host.h"
 #include "csp_stream.h"
+#include "csp_watch.h"
 
 /* The steps of processes, and the instants, between two looks for an order to pause; milliseconds between two looks for other requests. */
 enum { STEPS = 256, TURNS = 16, INTERVAL = 50 };
+
+/* Nanoseconds between two reports of a run in real time: half of those between two pictures. */
+#define BETWEEN_REPORTS INT64_C(8000000)
 
 /* An input that is taken over. */
 typedef struct override {
@@ -87,19 +91,6 @@ static void next_order(csp_kernel *csp, csp_order *order)
     }
 }
 
-/* Whether there is an order to pause, or nobody is there any more; nothing else is sent while the run advances. */
-static bool is_to_pause(csp_kernel *csp)
-{
-    csp_order order;
-    if (!has_order(0)) {
-        return false;
-    }
-    if (!read_all(&order, sizeof order)) {
-        csp_request_stop(csp);
-    }
-    return true;
-}
-
 /* ---- Inputs that are taken over ---- */
 
 static void *device_at(csp_kernel *csp, uint32_t number)
@@ -132,12 +123,12 @@ static void give_back(uint32_t port)
     }
 }
 
-static void take(const csp_order *order)
+static void take(csp_kernel *csp, const csp_order *order)
 {
     override *const taken = malloc(sizeof *taken + order->size);
     if ((taken == NULL) || !read_all(taken->value, order->size)) {
         free(taken);
-        state = CSP_STOPPED;
+        csp_request_stop(csp);
         return;
     }
     give_back(order->number);
@@ -161,20 +152,60 @@ static bool advance_with_overrides(csp_kernel *csp, void *of, int64_t now)
     return true;
 }
 
-static void allow_overrides(csp_kernel *csp)
+static void allow_overrides(csp_program *program)
 {
-    static csp_program program; /* handlers may look at it until the process ends */
-    program = *csp->program;
-    own = program.environment;
+    own = program->environment;
     if (own != NULL) {
         steered = *own;
         steered.advance = advance_with_overrides;
-        program.environment = &steered;
+        program->environment = &steered;
     }
-    csp->program = &program;
 }
 
-/* ---- The run ---- */
+/* Says that it waits for an order, or has carried one out. */
+static void hold(csp_kernel *csp, bool reached)
+{
+    csp_stream_held(csp, reached, csp_next(csp));
+}
+
+/* Carries out an order other than those to advance. */
+static void carry_out(csp_kernel *csp, const csp_order *order)
+{
+    switch (order->kind) {
+    case CSP_TAKE:
+        take(csp, order);
+        break;
+    case CSP_GIVE_BACK:
+        give_back(order->number);
+        break;
+    case CSP_REPORT:
+        csp_stream_waiting(csp);
+        hold(csp, true);
+        break;
+    default:
+        break; /* to pause, what is over */
+    }
+}
+
+/* ---- In virtual time ---- */
+
+/* Whether there is an order to pause, or nobody is there any more. Of the others only those about
+ * inputs come while the run advances. */
+static bool is_to_pause(csp_kernel *csp)
+{
+    while (has_order(0)) {
+        csp_order order;
+        if (!read_all(&order, sizeof order)) {
+            csp_request_stop(csp);
+            return true;
+        }
+        if (order.kind == (uint32_t)CSP_PAUSE) {
+            return true;
+        }
+        carry_out(csp, &order);
+    }
+    return false;
+}
 
 static int64_t earlier(int64_t one, int64_t other)
 {
@@ -206,47 +237,26 @@ static bool advance(csp_kernel *csp, const csp_order *order, int64_t last)
     return true;
 }
 
-/* Says that it waits for an order. */
-static void hold(csp_kernel *csp, bool reached)
-{
-    csp_stream_held(csp, reached, csp_next(csp));
-}
-
 static void follow(csp_kernel *csp, const csp_order *order, int64_t last)
 {
-    bool reached = false;
-    switch (order->kind) {
-    case CSP_ADVANCE:
-    case CSP_STEP:
-        reached = advance(csp, order, last);
-        if (runs() && reached && (order->instant >= last)) {
-            state = CSP_TIME_LIMIT;
-            csp->now = last;
-        } else if (runs()) {
-            hold(csp, reached);
-        } else {
-            /* The end is reported. */
-        }
-        break;
-    case CSP_TAKE:
-        take(order);
-        break;
-    case CSP_GIVE_BACK:
-        give_back(order->number);
-        break;
-    case CSP_REPORT:
-        csp_stream_waiting(csp);
-        hold(csp, true);
-        break;
-    default:
-        break; /* to pause, what is over */
+    if ((order->kind != (uint32_t)CSP_ADVANCE) && (order->kind != (uint32_t)CSP_STEP)) {
+        carry_out(csp, order);
+        return;
+    }
+    const bool reached = advance(csp, order, last);
+    if (runs() && reached && (order->instant >= last)) {
+        state = CSP_TIME_LIMIT;
+        csp->now = last;
+    } else if (runs()) {
+        csp->now = (reached && (order->instant > csp->now)) ? order->instant : csp->now;
+        hold(csp, reached);
+    } else {
+        /* The end is reported. */
     }
 }
 
-csp_ending csp_run_steered(csp_kernel *csp, int64_t until)
+static csp_ending run_in_virtual_time(csp_kernel *csp, int64_t last)
 {
-    const int64_t last = ((until >= 0) && (until < CSP_END_OF_TIME)) ? until : CSP_END_OF_TIME;
-    allow_overrides(csp);
     csp_own(csp);
     state = csp_begin(csp);
     if (state == CSP_NOT_INITIALIZED) {
@@ -267,4 +277,73 @@ csp_ending csp_run_steered(csp_kernel *csp, int64_t until)
     csp_finish(csp);
     csp_port_finish(csp);
     return state;
+}
+
+/* ---- In real time ---- */
+
+static csp_kernel *paced;
+static const csp_tuning *changes; /* of parameters; NULL: none */
+static int64_t reported = -1;     /* the instant of the last report; negative: there was none */
+
+/* Says how far it is, and sends what has happened, without waiting for the reader. */
+static void report(void)
+{
+    const int64_t present = paced->reached;
+    paced->now = (present > paced->now) ? present : paced->now; /* nothing is due before it */
+    if (reported < 0) {
+        hold(paced, true);
+        reported = present;
+    } else if ((present - reported) >= BETWEEN_REPORTS) {
+        csp_stream_present(paced);
+        csp_watch_attend(false);
+        reported = present;
+    } else {
+        /* Later, together with more. */
+    }
+}
+
+/* What csp_run asks when all processes wait: orders are carried out then, too. */
+static int64_t next_change(void)
+{
+    while (!CSP_LOAD(paced->stop_requested) && has_order(0)) {
+        csp_order order;
+        if (read_all(&order, sizeof order)) {
+            carry_out(paced, &order);
+        } else {
+            csp_request_stop(paced);
+        }
+    }
+    report();
+    return (changes != NULL) ? changes->next() : INT64_MAX;
+}
+
+static void make_changes(csp_kernel *csp, int64_t instant)
+{
+    if (changes != NULL) {
+        changes->make(csp, instant);
+    }
+}
+
+static csp_ending run_in_real_time(csp_kernel *csp, csp_program *program, int64_t until)
+{
+    static const csp_tuning tuning = {next_change, make_changes};
+    changes = program->tuning;
+    program->tuning = &tuning;
+    paced = csp;
+    return csp_run(csp, until);
+}
+
+/* ---- The run ---- */
+
+csp_ending csp_run_steered(csp_kernel *csp, int64_t until)
+{
+    static csp_program program; /* handlers may look at it until the process ends */
+    program = *csp->program;
+    allow_overrides(&program);
+    csp->program = &program;
+    if (csp->real_time) {
+        return run_in_real_time(csp, &program, until);
+    }
+    const bool limited = (until >= 0) && (until < CSP_END_OF_TIME);
+    return run_in_virtual_time(csp, limited ? until : CSP_END_OF_TIME);
 }

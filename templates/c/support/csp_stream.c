@@ -248,14 +248,6 @@ static void name_all_channels(csp_kernel *csp)
 
 #endif
 
-void csp_stream_present(csp_kernel *csp)
-{
-    if (!silent) {
-        (void)begin_record(csp, PRESENT, 0);
-        completes();
-    }
-}
-
 /* The samples that were missed until now, of inputs that have missed at least `least`. */
 static void report_misses(csp_kernel *csp, uint32_t least)
 {
@@ -268,6 +260,15 @@ static void report_misses(csp_kernel *csp, uint32_t least)
                 completes();
             }
         }
+    }
+}
+
+void csp_stream_present(csp_kernel *csp)
+{
+    if (!silent) {
+        report_misses(csp, 1U);
+        (void)begin_record(csp, PRESENT, 0);
+        completes();
     }
 }
 

@@ -41,7 +41,7 @@ typedef enum csp_observed {
 
 /* To be called before the run. */
 void csp_stream_begin(csp_kernel *csp, const csp_names *names, csp_observed observed);
-/* Reports the present instant, between two turns of the run. */
+/* Reports the present instant and the samples that were missed until then, between two turns of the run. */
 void csp_stream_present(csp_kernel *csp);
 /* Reports that the run waits to be steered (csp_steering.h), and sends everything. */
 void csp_stream_held(csp_kernel *csp, bool reached, int64_t next);

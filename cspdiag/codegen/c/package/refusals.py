@@ -68,14 +68,18 @@ def _text_refusal(definition: str, parameter: str, body: ExternalBody) -> str:
     return f"{body.span}: {what}\n  help: give it a number or a literal of an enum"
 
 
-def _device(definition: str, body: ExternalBody) -> str:
+def device_refusal(definition: str, body: ExternalBody) -> str:
+    """What is wrong with a driver that is not written in C, and its place."""
     class_ = (
         f'the device "{body.target}", a Python class'
         if body.language == "device"
         else f"a Python class ({body.target})"
     )
-    what = f"the driver `{definition}` is {class_}, which a native program cannot call"
+    return f"{body.span}: the driver `{definition}` is {class_}, which a native program cannot call"
+
+
+def _device(definition: str, body: ExternalBody) -> str:
     stem = body.target.rpartition(":")[0].rpartition("/")[2].removesuffix(".py") or body.target
     in_c = f'write it in C: `driver {definition} c "{stem}.c"`'
     help_ = f"{in_c}; or choose another environment with --environment, or leave out --target c"
-    return f"{body.span}: {what}\n  help: {help_}"
+    return f"{device_refusal(definition, body)}\n  help: {help_}"

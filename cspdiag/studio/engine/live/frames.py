@@ -40,14 +40,15 @@ class Frames:
     def next(self, *, with_waiting: bool = True) -> Callable[[], Data]:
         """What happened since the last frame; the run forgets it. The result makes the frame, in any thread."""
         recorder = self._run.recorder.taken()
+        now = max(self._last, self._run.now)
         about = {
             "from": self._last,
-            "to": self._run.now,
+            "to": now,
             "waiting": waiting(self._run) if with_waiting else [],
             "missed": self._run.missed,
             "modes": self._mode_changes(recorder.begun, recorder.ended),
         }
-        self._last = self._run.now
+        self._last = now
         return lambda: {**about, **self._happened(recorder)}
 
     def _happened(self, recorder: LiveRecorder) -> Data:

@@ -44,14 +44,18 @@ def native_run(
     read: Reader,
     environment: str | None,
     until: int | None,
+    *,
+    real_time: bool,
     inputs: RecordedInputs | None,
 ) -> SteeredRun:
-    """The program, built and at time 0. Raises RequestError for one that C cannot express or that cannot be built."""
+    """The program, built and at time 0, or begun if it runs in ``real_time``. Raises RequestError for one that C cannot
+    express or that cannot be built.
+    """
     from cspdiag.simulate.native.run import build_program
     from cspdiag.simulate.steered.run import SteeredRun
 
     try:
-        program = build_program(network, read, level=1, environment=environment, inputs=inputs)
+        program = build_program(network, read, level=1, environment=environment, real_time=real_time, inputs=inputs)
     except (CompilerError, target_errors()) as problem:
         raise RequestError(str(problem), _IN_PYTHON if _runs_in_python(network, environment) else None) from problem
     return SteeredRun(program, until, inputs)

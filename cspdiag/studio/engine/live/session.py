@@ -19,6 +19,7 @@ from cspdiag.simulate.run.live import LiveRun
 from cspdiag.studio.engine.checking import parameters_of
 from cspdiag.studio.engine.data import Data
 from cspdiag.studio.engine.failure import RequestError
+from cspdiag.studio.engine.live.devices import refuse_devices
 from cspdiag.studio.engine.live.frames import Frames, waiting
 from cspdiag.studio.engine.running import ENDINGS, settings, text_of_ending
 from cspdiag.studio.engine.values import about, number_of
@@ -59,8 +60,6 @@ class Session:
         self._target = params.get("target", "python")
         if self._target not in ("python", "c"):
             raise RequestError("`target` is python or c")
-        if self._real_time and self._target == "c":
-            raise RequestError("in real time the studio runs Python", "`cspdiag run --real-time --target c` runs C")
         built = pipeline.build(
             files.source,
             files.read,
@@ -89,11 +88,14 @@ class Session:
     def _started(
         self, files: Files, environment: str | None, until: int | None, inputs: RecordedInputs | None
     ) -> LiveRun | SteeredRun:
+        refuse_devices(self._network, environment, self._target)
         with file_errors():
             if self._target == "c":
                 from cspdiag.studio.engine.live.native import native_run
 
-                return native_run(self._network, files.read, environment, until, inputs)
+                return native_run(
+                    self._network, files.read, environment, until, real_time=self._real_time, inputs=inputs
+                )
             package = pipeline.generate(self._network, files.read, level=1, traced=True, observed=True)
         return LiveRun(self._network, package, environment, until, real_time=self._real_time, inputs=inputs)
 
@@ -254,8 +256,7 @@ class Session:
 
     def _keep_pace(self) -> None:
         if self._speed is not None:
-            assert isinstance(self._run, LiveRun)
-            self._run.advance(self._run.present + round(INTERVAL * 1e9), lambda: False)
+            self._run.keep_pace(round(INTERVAL * 1e9))
             self._show()
 
     def _set_base(self) -> None:
@@ -290,7 +291,7 @@ class Session:
             "session": self.number,
             "at": outcome.time,
             "reason": ENDINGS[outcome.ended],
-            "text": text_of_ending(outcome),
+            "text": "\n".join(filter(None, (text_of_ending(outcome), self._run.lateness))),
             "missed": self._run.missed,
             "waiting": [
                 {"process": each.path, "channels": list(each.channels), "for": each.waits, "place": each.place,
