@@ -33,6 +33,7 @@ from cspdiag.base.sources import read_source
 from cspdiag.drawing import Drawing
 from cspdiag.live import Tuning
 from cspdiag.model.types import REALS
+from cspdiag.obligations import proof_obligations
 
 if TYPE_CHECKING:
     import networkx
@@ -464,9 +465,7 @@ class LoadedProgram:
         seconds = require_seconds("time_limit", time_limit)
         require_names(process=process)
         settings = settings_of(set)
-        obligations = pipeline.proof_obligations(
-            self.source, self._read, process=process, settings=settings, real=self._real
-        )
+        obligations = proof_obligations(self.source, self._read, process=process, settings=settings, real=self._real)
         obligations.lower()
         if obligations.checked.report.has_errors:
             raise ProgramError(obligations.checked.report.diagnostics)

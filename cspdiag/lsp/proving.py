@@ -81,7 +81,7 @@ def answer(request: Mapping[str, object]) -> None:
 
 def _answers(request: Mapping[str, object]) -> list[Proved] | str:
     from cspdiag.editing.steps import steps_shown
-    from cspdiag.pipeline import proof_obligations
+    from cspdiag.obligations import proof_obligations
     from cspdiag.proofs.answers.findings import diagnostic_of
     from cspdiag.proofs.verdict import Limits
     from cspdiag.verify.confirm import Verifier

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from cspdiag import pipeline
 from cspdiag.base.record import replaced
 from cspdiag.base.render.snippet import on_one_line
+from cspdiag.obligations import ProofObligations
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.prove import answered, not_followed, not_replayed, prove
 from cspdiag.proofs.answers.question import Property, Question
@@ -62,7 +63,7 @@ class Verifier:
 
     def __init__(
         self,
-        obligations: pipeline.ProofObligations,
+        obligations: ProofObligations,
         read: pipeline.Reader,
         method: Method | None = None,
         *,

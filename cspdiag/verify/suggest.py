@@ -10,6 +10,7 @@ from cspdiag import pipeline
 from cspdiag.base import Report, SourceFile
 from cspdiag.base.record import record, replaced
 from cspdiag.network.lower.program import SelectionError
+from cspdiag.obligations import ProofObligations, proof_obligations
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.prove import prove
 from cspdiag.proofs.answers.question import Question
@@ -41,7 +42,7 @@ SMALLER = range(3, 9)
 class Deadlock:
     """A program with its settings, the question about it, and how it gets stuck."""
 
-    obligations: pipeline.ProofObligations
+    obligations: ProofObligations
     question: Question
     found: Counterexample
     settings: Mapping[str, str]
@@ -108,11 +109,11 @@ def _helps(suggestion: Suggestion, deadlock: Deadlock, read: pipeline.Reader, li
 
 def _obligations(
     source: SourceFile, read: pipeline.Reader, deadlock: Deadlock, settings: Mapping[str, str]
-) -> pipeline.ProofObligations | None:
+) -> ProofObligations | None:
     """The same question about another program; None if that has errors."""
     question, real = deadlock.question, deadlock.obligations.checked.real
     try:
-        obligations = pipeline.proof_obligations(source, read, process=question.process, settings=settings, real=real)
+        obligations = proof_obligations(source, read, process=question.process, settings=settings, real=real)
     except (SettingError, SelectionError):
         return None
     same = tuple(other for other in obligations.questions if other.text == question.text)
@@ -121,7 +122,7 @@ def _obligations(
     return replaced(obligations, questions=same[:1])
 
 
-def _answer(obligations: pipeline.ProofObligations, limits: Limits) -> Answer | None:
+def _answer(obligations: ProofObligations, limits: Limits) -> Answer | None:
     (question,) = obligations.questions
     if question in obligations.answers:
         return obligations.answers[question]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from cspdiag import pipeline
 from cspdiag.base.errors import CspdiagError
+from cspdiag.obligations import ProofObligations
 from cspdiag.proofs.transitions import transition_system
 from cspdiag.proofs.transitions.classes.distinguished import AsSpecification, Distinction
 from cspdiag.proofs.transitions.threads.explore import TransitionError
@@ -22,7 +22,7 @@ class VerificationError(CspdiagError):
 class SystemCache:
     """The transition systems of the processes of a program."""
 
-    def __init__(self, obligations: pipeline.ProofObligations) -> None:
+    def __init__(self, obligations: ProofObligations) -> None:
         self._obligations = obligations
         self._made: dict[tuple[str, frozenset[tuple[str, Distinction]], AsSpecification | None], System] = {}
 

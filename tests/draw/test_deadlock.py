@@ -19,7 +19,8 @@ from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.scene.geometry import Point, Rectangle, around
 from cspdiag.draw.scene.scene_geometry import every
 from cspdiag.draw.scene.shapes import Box, Group, Line, Scene, Text
-from cspdiag.pipeline import check, proof_obligations
+from cspdiag.obligations import proof_obligations
+from cspdiag.pipeline import check
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.confirm import Verifier
 from cspdiag.verify.deadlock_picture import deadlock_of, deadlock_shown_by

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag import pipeline
 from cspdiag.base.sources import read_source
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.confirm import Verifier
@@ -23,7 +23,7 @@ def answers(name: str, change: tuple[str, str] | None = None) -> list[Answer]:
     if change is not None:
         assert change[0] in source.text
         source = type(source)(name=source.name, text=source.text.replace(*change))
-    obligations = pipeline.proof_obligations(source, read_source)
+    obligations = proof_obligations(source, read_source)
     verifier = Verifier(obligations, read_source)
     return [verifier.answer(question, Limits()) for question in obligations.questions]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cspdiag import pipeline
 from cspdiag.base import Diagnostic, SourceFile
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.counterexamples.table import table
 from cspdiag.proofs.counterexamples.words import waiting_lines
@@ -29,7 +29,7 @@ def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | 
             raise FileNotFoundError(2, "No such file or directory", path)
         return SourceFile(name=path, text=files[path])
 
-    obligations = pipeline.proof_obligations(read(main), read, process=process)
+    obligations = proof_obligations(read(main), read, process=process)
     report = obligations.checked.report
     obligations.lower()
     if report.has_errors:

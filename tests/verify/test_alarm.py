@@ -14,8 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag import parse, pipeline
+from cspdiag import parse
 from cspdiag.base import SourceFile
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.verdict import LimitError, Limits
 from cspdiag.runtime.kernel.stopping import stopping
@@ -126,7 +127,7 @@ def often_switched() -> Iterator[None]:
 def test_whenever_the_alarm_rings_the_answer_is_none_or_correct(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
+    obligations = proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
     (question,) = obligations.questions
     whole = Verifier(obligations, read).answer(question, Limits())
     assert whole.outcome == "refuted"

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag import pipeline
 from cspdiag.base import Report, SourceFile, Span
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.findings import diagnostic_of
 from cspdiag.proofs.counterexamples.suggestion import Suggestion
@@ -195,7 +195,7 @@ def answer_of(files: dict[str, str], main: str, settings: dict[str, str] | None 
     def read(path: str) -> SourceFile:
         return SourceFile(name=path, text=files[Path(path).name])
 
-    question = pipeline.proof_obligations(read(main), read, settings=settings)
+    question = proof_obligations(read(main), read, settings=settings)
     return Verifier(question, read, settings=settings).answer(question.questions[0], Limits(20.0))
 
 
@@ -318,7 +318,7 @@ def test_what_is_suggested_does_not_depend_on_the_load(monkeypatch: pytest.Monke
     def read(path: str) -> SourceFile:
         return SourceFile(name=path, text=DINING[Path(path).name])
 
-    question = pipeline.proof_obligations(read("deadlock.csp"), read)
+    question = proof_obligations(read("deadlock.csp"), read)
     answer = Verifier(question, read).answer(question.questions[0], Limits(1e6))
     assert answer.suggestions
     assert [suggestion.proved_with for suggestion in answer.suggestions] == [None] * len(answer.suggestions)

@@ -9,6 +9,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify import suggest
 from cspdiag.verify.alarm import ended_by_alarm
@@ -64,7 +65,7 @@ STUCK = ENDLESS.replace("mu (c ! 1)", "c ! 1 ; c ! 1").replace("mu (c ? x)", "c 
 @pytest.mark.parametrize("where", ["replay", "suggestions"])
 def test_the_limit_covers_everything(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """What never ends by itself is ended from outside, wherever it is."""
-    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
+    obligations = proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
     entered = []
 
     def endless(*_: object, **__: object) -> None:
@@ -85,7 +86,7 @@ def test_the_limit_covers_everything(where: str, monkeypatch: pytest.MonkeyPatch
 
 
 def test_what_is_limited_includes_the_transition_system() -> None:
-    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
+    obligations = proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
 
     @contextmanager
     def at_once(limits: Limits) -> Iterator[None]:

@@ -20,7 +20,8 @@ from cspdiag.cli.support.proofs.answers import answers_as_json, refused, rendere
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
 
 if TYPE_CHECKING:
-    from cspdiag.pipeline import ProofObligations, Reader
+    from cspdiag.obligations import ProofObligations
+    from cspdiag.pipeline import Reader
     from cspdiag.proofs.answers.answer import Answer
 
 EXAMPLE = (
@@ -173,7 +174,7 @@ def _relevant_options(arguments: Namespace) -> dict[str, object]:
 def _find_obligations(arguments: Namespace, read: Reader) -> ProofObligations:
     """The assertions to prove, with the networks for them."""
     from cspdiag.network.lower.program import SelectionError
-    from cspdiag.pipeline import proof_obligations
+    from cspdiag.obligations import proof_obligations
     from cspdiag.settings import SettingError
 
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from cspdiag import pipeline
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.answers.findings import diagnostic_of
 from cspdiag.proofs.counterexamples.counterexample import BlockedProcess, Counterexample, Step
 from cspdiag.proofs.counterexamples.table import event_text
@@ -39,7 +39,7 @@ def verify(files: Files, params: Data) -> list[Data]:
     limit = params.get("time_limit", TIME_LIMIT)
     if isinstance(limit, bool) or not isinstance(limit, int | float) or not 0 < limit <= 3600:
         raise RequestError("`time_limit` is a number of seconds, at most 3600")
-    obligations = pipeline.proof_obligations(files.source, files.read)
+    obligations = proof_obligations(files.source, files.read)
     if obligations.checked.report.has_errors:
         raise RequestError("the program has errors, so nothing is proved of it", "correct those first")
     questions = [

@@ -16,6 +16,7 @@ from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.main import main
+from cspdiag.obligations import ProofObligations, proof_obligations
 from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
 from cspdiag.proofs.rules.marked_graph import Place, has_no_circle, order_of_events
 from cspdiag.proofs.structure.pairs import Structure
@@ -32,8 +33,8 @@ SIZE = 230
 """More than are always examined one by one."""
 
 
-def obligations(text: str) -> pipeline.ProofObligations:
-    return pipeline.proof_obligations(SourceFile(name="main.csp", text=text), read_source)
+def obligations(text: str) -> ProofObligations:
+    return proof_obligations(SourceFile(name="main.csp", text=text), read_source)
 
 
 def is_claimed(text: str) -> bool:

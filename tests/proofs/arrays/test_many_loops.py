@@ -11,6 +11,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
+from cspdiag.obligations import ProofObligations, proof_obligations
 from cspdiag.proofs.answers.at_once import answers_at_once
 from cspdiag.proofs.properties.livelock import livelock_free
 from cspdiag.proofs.transitions import transition_system
@@ -168,10 +169,10 @@ def test_a_hundred_times_as_many_elements_take_hardly_more_steps() -> None:
 
 @pytest.mark.parametrize("written", ["10", "300"])
 def test_sizes_may_be_set(written: str) -> None:
-    def found(settings: dict[str, str]) -> pipeline.ProofObligations:
+    def found(settings: dict[str, str]) -> ProofObligations:
         text = STAGES.replace("const size = 230", f"const size = {written}")
         text = text.replace("process Stage {", "process Stage(gain : int = 1) {").replace("o ! x", "o ! x * gain")
-        return pipeline.proof_obligations(SourceFile(name="main.csp", text=text), read_source, settings=settings)
+        return proof_obligations(SourceFile(name="main.csp", text=text), read_source, settings=settings)
 
     assert found({"size": "100000"}).answers
     assert not found({"size": "20"}).answers

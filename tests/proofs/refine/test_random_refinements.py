@@ -12,8 +12,8 @@ from random import Random
 
 import pytest
 
-from cspdiag import pipeline
 from cspdiag.base import SourceFile
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.refine import refinement
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.confirm import Verifier
@@ -61,7 +61,7 @@ def comparison(seed: int) -> str:
     def read(path: str) -> SourceFile:
         raise FileNotFoundError(path)
 
-    question = pipeline.proof_obligations(source, read)
+    question = proof_obligations(source, read)
     if question.checked.report.has_errors:
         return "refused"
     answer = Verifier(question, read).answer(question.questions[0], Limits(20.0))

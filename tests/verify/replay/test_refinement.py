@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.transitions.classes.distinguished import AsSpecification
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.replay.refinement import judge
@@ -64,7 +64,7 @@ assert Has refines Demands
     ],
 )
 def test_run(run: list[tuple[str, object]], says: str | None) -> None:
-    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=TEXT), read_source)
+    obligations = proof_obligations(SourceFile(name="case.csp", text=TEXT), read_source)
     (question,) = obligations.questions
     network = obligations.network("Has")
     assert network is not None

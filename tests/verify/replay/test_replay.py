@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.record import replaced
 from cspdiag.base.sources import read_source
+from cspdiag.obligations import ProofObligations, proof_obligations
 from cspdiag.proofs.counterexamples.counterexample import counterexample
 from cspdiag.proofs.search import breadth_first
 from cspdiag.proofs.verdict import Limits, Refuted
@@ -22,9 +22,9 @@ TABLE = str(MODELS / "dining" / "deadlock.csp")
 
 
 @pytest.fixture(scope="module")
-def table() -> tuple[pipeline.ProofObligations, Trace]:
+def table() -> tuple[ProofObligations, Trace]:
     """Three philosophers, and the trace to their deadlock."""
-    obligations = pipeline.proof_obligations(read_source(TABLE), read_source, settings={"seats": "3"})
+    obligations = proof_obligations(read_source(TABLE), read_source, settings={"seats": "3"})
     question = obligations.questions[0]
     verifier = Verifier(obligations, read_source, "breadth-first")
     answer = verifier.answer(question, Limits())
@@ -32,7 +32,7 @@ def table() -> tuple[pipeline.ProofObligations, Trace]:
     return obligations, read_trace(trace_of(answer, {}))
 
 
-def test_the_program_does_what_was_found(table: tuple[pipeline.ProofObligations, Trace]) -> None:
+def test_the_program_does_what_was_found(table: tuple[ProofObligations, Trace]) -> None:
     obligations, trace = table
     network = obligations.network("SymmetricTable")
     assert network is not None
@@ -46,7 +46,7 @@ def test_the_program_does_what_was_found(table: tuple[pipeline.ProofObligations,
 
 @pytest.mark.parametrize("changed", ["shortened", "exchanged", "unknown channel", "extended"])
 def test_a_trace_that_the_program_does_not_follow_is_detected(
-    table: tuple[pipeline.ProofObligations, Trace], changed: str
+    table: tuple[ProofObligations, Trace], changed: str
 ) -> None:
     obligations, trace = table
     network = obligations.network("SymmetricTable")
@@ -185,7 +185,7 @@ def test_refutations_of_random_programs_replay() -> None:
 
     def look(text: str) -> None:
         nonlocal replays
-        obligations = pipeline.proof_obligations(SourceFile(name="random.csp", text=text), read)
+        obligations = proof_obligations(SourceFile(name="random.csp", text=text), read)
         question = obligations.questions[0]
         system = SystemCache(obligations).of(question.process)
         verdict = breadth_first.deadlock_free(system, Limits(0.2, 100_000_000))
@@ -339,7 +339,7 @@ def test_independent_steps_may_be_reordered() -> None:
     """
     program = POLLED.replace("sent ! 1 ;", "").replace("; sent ? value", "").replace("  polls.sent -> keeps.sent\n", "")
     program = program.replace("  out sent : int\n", "").replace("  in  sent : int\n", "")
-    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=program), read_source)
+    obligations = proof_obligations(SourceFile(name="case.csp", text=program), read_source)
     network = obligations.network("Both")
     assert network is not None
     wrote = TraceStep("communication", "Both.keeps.kept", None, (("Both.keeps", "Both.keeps"),))

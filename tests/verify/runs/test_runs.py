@@ -7,6 +7,7 @@ from random import Random
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
+from cspdiag.obligations import proof_obligations
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.confirm import Verifier
 from tests.properties.drawing import draw_programs
@@ -41,7 +42,7 @@ def test_what_some_schedule_reaches_is_refuted() -> None:
     seen = Counter[tuple[str, bool]]()
     for number in (*range(30), 412, 860):
         text = small_program(Random(number))
-        obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=text), read)
+        obligations = proof_obligations(SourceFile(name="case.csp", text=text), read)
         network = obligations.network("All")
         assert network is not None
         answer = Verifier(obligations, read).answer(obligations.questions[0], Limits(20.0))
