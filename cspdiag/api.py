@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
 
 from cspdiag import pipeline
 from cspdiag.arguments import (
     Setting,
     Values,
-    changes_of,
     definition_to_draw,
     execution_time,
     labels_to_hide,
     measured_times,
+    require_depth,
+    require_level,
     require_names,
     require_one_of,
     require_seconds,
     require_states,
     require_text,
+    require_way_to_run,
     settings_of,
     shown,
     source_of,
@@ -31,7 +33,6 @@ from cspdiag.base import Diagnostic, SourceFile
 from cspdiag.base.errors import ArgumentError, CspdiagError, file_errors
 from cspdiag.base.sources import read_source
 from cspdiag.drawing import Drawing
-from cspdiag.live import Tuning
 from cspdiag.model.types import REALS
 from cspdiag.obligations import proof_obligations
 
@@ -45,14 +46,9 @@ if TYPE_CHECKING:
     from cspdiag.model.types import Real
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.answers.answer import Answer
+    from cspdiag.running import Tune
     from cspdiag.simulate.result import Run
     from cspdiag.sweep.table import Sweep
-
-
-Tune: TypeAlias = "Tuning | Mapping[str | float, Mapping[str, Setting]]"
-"""Changes of parameters: by the time in the run, as a text or in seconds, new values by name; or from another
-thread.
-"""
 
 
 class ProgramError(CspdiagError):
@@ -201,7 +197,7 @@ class LoadedProgram:
 
         require_one_of("target", target, TARGETS)
         require_one_of("framework", framework, ("", *FRAMEWORKS) if target == "c" else ("",))
-        _require_level(level)
+        require_level(level)
         network = self._settable() if target == "fmu" else self.network
         with file_errors():
             files = pipeline.generate(network, self._read, target, level, framework=framework)
@@ -230,10 +226,7 @@ class LoadedProgram:
 
         require_names(process=process)
         require_one_of("diagram", diagram, ("communication", "composition", "both"))
-        if not isinstance(depth, int):
-            raise TypeError(f"depth is an int, not {type(depth).__name__}")
-        if depth < 1:
-            raise ArgumentError(f"depth is at least 1, not {shown(depth)}")
+        require_depth(depth)
         checked = self._checked
         if checked.readable is None or (checked.report.has_errors and not check):
             raise ProgramError(checked.report.diagnostics)
@@ -325,70 +318,16 @@ class LoadedProgram:
         Raises the exceptions of ``build``, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and
         ``TargetError``, for the reference ``NoMeaningError``, and ArgumentError for an unknown level or target.
         """
-        from cspdiag.simulate.native import run as native
-        from cspdiag.simulate.native.choice import native_if_possible, run_either
-        from cspdiag.simulate.run import execute
+        from cspdiag.running import run_network, run_on_reference
 
-        if level == "reference":
-            return self._run_on_reference(environment, process, until, set, target, tune, real_time=real_time)
-        _require_level(level, "0, 1 or 'reference'")
-        if target not in ("python", "c", "auto"):
-            raise ArgumentError(f"the target {shown(target)} cannot be run: choose 'python', 'c' or 'auto'")
+        require_way_to_run(level, target, real_time=real_time)
         limit = None if until is None else time_limit(until)
         network = self._build(process, environment, set, alone=True)
-        program = self._program()
-        live = tune if isinstance(tune, Tuning) else None
-        changes = [] if tune is None or live is not None else changes_of(program, tune)
-        on_start = None if live is None else partial(live.attach, program)
-        with file_errors():
-            if target == "c":
-                return native.simulate(
-                    network, self._read, level=level, environment=environment, until=limit, real_time=real_time,
-                    changes=changes, live=live is not None, on_start=on_start,
-                )  # fmt: skip
-
-            def in_python() -> Run:
-                files = pipeline.generate(network, self._read, level=level, traced=True, observed=True)
-                return execute.simulate(
-                    network, files, environment=environment, until=limit, real_time=real_time, changes=changes,
-                    on_start=on_start,
-                )  # fmt: skip
-
-            if target == "python":
-                return in_python()
-
-            def natively(found: native.NativeProgram) -> Run:
-                return found.run(until=limit, changes=changes, live=live is not None, on_start=on_start)
-
-            native_program = native_if_possible(
-                network, self._read, level=level, environment=environment, real_time=real_time
-            )
-            return run_either(native_program, natively, in_python)
-
-    def _run_on_reference(
-        self,
-        environment: str | None,
-        process: str | None,
-        until: str | float | None,
-        settings: Mapping[str, Setting] | None,
-        target: str,
-        tune: Tune | None,
-        *,
-        real_time: bool,
-    ) -> Run:
-        from cspdiag.simulate.record.recorder import Recorder
-        from cspdiag.simulate.run import reference
-
-        if target != "python" or real_time:
-            raise ArgumentError(
-                "the reference semantics is not a target, and has virtual time only: omit `target` and `real_time`"
-            )
-        limit = None if until is None else time_limit(until)
-        network = self._build(process, environment, settings, alone=True)
-        if isinstance(tune, Tuning):
-            raise ArgumentError("a `Tuning` is for a program that runs in Python: give the changes by their times")
-        changes = [] if tune is None else changes_of(self._program(), tune)
-        return reference.simulate(network, environment=environment, until=limit, recorder=Recorder(), changes=changes)
+        if level == "reference":
+            return run_on_reference(network, self._program(), environment, limit, tune)
+        return run_network(
+            network, self._program(), self._read, environment, limit, tune, target, level, real_time=real_time
+        )
 
     def sweep(
         self,
@@ -411,11 +350,8 @@ class LoadedProgram:
         Raises the exceptions of ``build``, ``NoEnvironmentError``, ``MeasureError``, for C also ``CompilerError`` and
         ``TargetError``, and ArgumentError for other values.
         """
-        from contextlib import closing
-
-        from cspdiag.sweep.execute import Jobs, make_runs, processors, source_of_runs
-        from cspdiag.sweep.plan import InvalidProgramError, Request, plan_sweep
-        from cspdiag.sweep.table import Sweep
+        from cspdiag.running import measured_runs
+        from cspdiag.sweep.plan import InvalidProgramError, Request
 
         require_names(environment=environment, dask=dask)
         require_one_of("target", target, ("auto", "c", "python"))
@@ -432,19 +368,10 @@ class LoadedProgram:
             until=None if until is None else time_limit(until),
             real=self._real,
         )
-        with file_errors():
-            try:
-                plan = plan_sweep(request, self._read)
-            except InvalidProgramError as problem:
-                raise ProgramError(list(problem.diagnostics)) from None
-            if plan.never_ends:
-                raise ArgumentError("the program never ends by itself: say with `until` when each run ends")
-            jobs = Jobs(plan, self._read, target)
-            runs = range(len(plan.grid))
-            count = min(workers or processors(), len(runs))
-            with source_of_runs(dask, count) as source, closing(make_runs(plan, runs, jobs, source)) as found:
-                results = dict(found)
-        return Sweep(plan.grid, plan.measures, results, jobs.made)
+        try:
+            return measured_runs(request, self._read, target, workers, dask)
+        except InvalidProgramError as problem:
+            raise ProgramError(list(problem.diagnostics)) from None
 
     def verify(
         self,
@@ -471,8 +398,3 @@ class LoadedProgram:
             raise ProgramError(obligations.checked.report.diagnostics)
         verifier = Verifier(obligations, self._read, settings=settings)
         return [verifier.answer(question, Limits(seconds)) for question in obligations.questions]
-
-
-def _require_level(level: object, known: str = "0 or 1") -> None:
-    if level not in (0, 1):
-        raise ArgumentError(f"there is no optimization level {shown(level)}: choose {known}")

@@ -243,3 +243,29 @@ def labels_to_hide(pictures: Pictures, definition: Drawn, labels: bool | Iterabl
     if unknown:
         raise ArgumentError(f"hide_labels: there is no label `{unknown[0]}` in what is drawn")
     return hide
+
+
+def require_level(level: object, known: str = "0 or 1") -> None:
+    """ArgumentError for another level of optimization than 0 and 1; ``known`` is what the message offers."""
+    if level not in (0, 1):
+        raise ArgumentError(f"there is no optimization level {shown(level)}: choose {known}")
+
+
+def require_way_to_run(level: object, target: str, *, real_time: bool) -> None:
+    """ArgumentError for an unknown level or target, and for one that the reference semantics does not have."""
+    if level != "reference":
+        require_level(level, "0, 1 or 'reference'")
+        if target not in ("python", "c", "auto"):
+            raise ArgumentError(f"the target {shown(target)} cannot be run: choose 'python', 'c' or 'auto'")
+    elif target != "python" or real_time:
+        raise ArgumentError(
+            "the reference semantics is not a target, and has virtual time only: omit `target` and `real_time`"
+        )
+
+
+def require_depth(depth: object) -> None:
+    """Raises TypeError for a depth of a picture that is no whole number, ArgumentError for one below 1."""
+    if not isinstance(depth, int):
+        raise TypeError(f"depth is an int, not {type(depth).__name__}")
+    if depth < 1:
+        raise ArgumentError(f"depth is at least 1, not {shown(depth)}")
