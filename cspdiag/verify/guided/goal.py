@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from cspdiag.base.record import record
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.deadlock.tasks import place_of_wait
 from cspdiag.runtime.kernel.scheduler import Task
-from cspdiag.verify.guided.script import Actor, Standing
+from cspdiag.verify.guided.script import Actor, Happened, Standing
 from cspdiag.verify.runs.names import belongs
 from cspdiag.verify.runs.recurrence import Recurrence
 from cspdiag.verify.runs.stuck import Partners, waits_of
@@ -54,6 +54,11 @@ class Goal:
         """For a refinement, the channels that the specification sees, in order."""
         steps = (step for step in self.trace.steps if step.kind in {"external", "sample"})
         return tuple(step.channel for step in steps if step.channel in self.visible)
+
+    def shows_round(self, happened: Sequence[Happened]) -> bool:
+        """Whether a round of what is repeated can be shown: it has entries, and those of a livelock are invisible."""
+        channels = {entry.channel for entry in happened}
+        return bool(channels) and not (self.trace.failure == "livelock" and channels & self.outside)
 
     def missed(self, root: Task, names: TaskNames) -> str | None:
         """Why no process is stuck forever although none is ready; None if some or all are."""

@@ -26,7 +26,7 @@ from cspdiag.verify.guided.goal import Goal
 from cspdiag.verify.guided.ready import ReadyParties
 from cspdiag.verify.guided.repetition import Repetition
 from cspdiag.verify.guided.result import GuidedRun
-from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing, to_first_round, words_of
+from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing, is_option, to_first_round, words_of
 from cspdiag.verify.guided.world import World
 from cspdiag.verify.runs.reachable import reachable_names
 from cspdiag.verify.runs.task_names import Key, TaskNames, path_of, task_of
@@ -116,7 +116,7 @@ class Run(Policy):
         cut = self._cut if self._strict and self._cut is not None else self._decisions.made
         made, instants = tuple(self._communications), tuple(self._instants)
         round_from = None
-        if divergence is None and self._besides and self._can_be_shown(self._repetition.period):
+        if divergence is None and self._besides and self._goal.shows_round(self._happened[self._repetition.period]):
             happened, round_from = to_first_round(self._happened, self._repetition.period)
         return GuidedRun(
             done,
@@ -131,11 +131,6 @@ class Run(Policy):
             self._repetition.found,
             round_from,
         )
-
-    def _can_be_shown(self, period: slice) -> bool:
-        """Whether a round of what is repeated can be shown: it has entries, and those of a livelock are invisible."""
-        channels = {happened.channel for happened in self._happened[period]}
-        return bool(channels) and not (self._goal.trace.failure == "livelock" and channels & self._goal.outside)
 
     def _called(self, task: Task) -> str:
         return self._goal.called(task, self._names)
@@ -281,7 +276,7 @@ class Run(Policy):
     def choose(self, task: Party, ready: Sequence[Option], *, prioritized: bool) -> int:
         """See ``Policy.choose``."""
         head = self._script.head(self._key(task))
-        wanted = None if head is None else next((n for n, option in enumerate(ready) if _is(head, option)), None)
+        wanted = None if head is None else next((n for n, option in enumerate(ready) if is_option(head, option)), None)
         if prioritized:
             if head is not None and wanted:
                 words = (
@@ -400,10 +395,3 @@ class Run(Policy):
         if channel != expected:
             self._problem = f"at {shown(self._run.now)}, `{channel}` comes before `{expected or 'the end'}`"
             self._problem += _LEFT_OUT.format("priorities" if self._run.has_levels else "times")
-
-
-def _is(entry: Passed, option: Option) -> bool:
-    if option.channel:
-        action = "read" if option.action == "ready" else option.action
-        return entry.action == action and entry.channel == option.channel
-    return entry.action == option.action and entry.index == option.index

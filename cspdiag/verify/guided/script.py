@@ -9,6 +9,7 @@ from typing import Any
 
 from cspdiag.base.record import record
 from cspdiag.runtime.kernel.durations import shown
+from cspdiag.runtime.kernel.policy import Option
 from cspdiag.verify.runs.task_names import Key
 
 LATER = 1 << 60
@@ -48,6 +49,14 @@ def words_of(entry: Passed) -> str:
     if entry.action == "miss":
         return f"a missed sample of {entry.channel}"
     return entry.channel or entry.action
+
+
+def is_option(entry: Passed, option: Option) -> bool:
+    """Whether a guard does what the task has to do."""
+    if option.channel:
+        action = "read" if option.action == "ready" else option.action
+        return entry.action == action and entry.channel == option.channel
+    return entry.action == option.action and entry.index == option.index
 
 
 @record
