@@ -170,7 +170,7 @@ class _StateObserver:
     """Notes states of an environment when it has started, and at each instant to which it advances."""
 
     def __init__(self, measures: Measures, network: CoreNetwork, environment: Environment | None) -> None:
-        from cspdiag.codegen.python.plain.laws.environments import state_attributes
+        from cspdiag.codegen.python.plain.laws.signal_names import state_attributes
 
         self.observations: list[tuple[int, int, float]] = []
         self._signals = [

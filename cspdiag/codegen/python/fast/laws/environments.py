@@ -14,9 +14,10 @@ from cspdiag.codegen.python.fast.statements import assigned, is_test, refused_un
 from cspdiag.codegen.python.fast.temporaries import Temporaries
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
-from cspdiag.codegen.python.plain.laws.environments import ADVANCE, MEMBERS, EnvironmentModule, EnvironmentWriter
+from cspdiag.codegen.python.plain.laws.environments import ADVANCE, EnvironmentModule, EnvironmentWriter
 from cspdiag.codegen.python.plain.laws.integration import Integration, begin_of_step
 from cspdiag.codegen.python.plain.laws.linear import STEP, LinearStep, MatrixEntry
+from cspdiag.codegen.python.plain.laws.signal_names import MEMBERS
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
     PRODUCT,

@@ -13,7 +13,7 @@ from cspdiag.codegen.python.plain.external import ExternalModules, external_call
 from cspdiag.codegen.python.plain.laws.connections import Connections
 from cspdiag.codegen.python.plain.laws.integration import Integration
 from cspdiag.codegen.python.plain.laws.linear import STEP, LinearStep, MatrixEntry, linear_steps
-from cspdiag.codegen.python.plain.laws.submodels import INTEGRATION
+from cspdiag.codegen.python.plain.laws.signal_names import MEMBERS, signal_names
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
     OR,
@@ -30,7 +30,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
-from cspdiag.codegen.python.text.names import Names, PackageNames
+from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import For, Function, Statement, assign, if_, lines, run
 from cspdiag.codegen.python.text.types import annotation, duration
@@ -52,15 +52,12 @@ from cspdiag.codegen.shared.laws.equations import (
 from cspdiag.codegen.shared.names import words
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.network import CoreNetwork, Environment, Network, SubmodelClass, SubmodelState
-from cspdiag.optimize import lower_for_targets
+from cspdiag.network.ir.network import Environment, Network, SubmodelClass, SubmodelState
 
 ELAPSED = infix("-", SUM, Name("now"), own("now"))
 """The time from the previous instant to the present one."""
 
 ADVANCE = "Integrate to `now` (in nanoseconds) with the inputs held, and evaluate the outputs."
-
-MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
 
 
 @record
@@ -83,25 +80,6 @@ def environment_module(
     return EnvironmentWriter(environment, network, names, modules).module()
 
 
-def _signal_names(types: Iterable[str], members: Iterable[str], names: PackageNames) -> Names:
-    """The names of the signals of an environment in its module."""
-    found = Names({*members, *names.constants.values()})
-    for name in types:
-        found[name]
-    return found
-
-
-def state_attributes(environment: Environment, network: CoreNetwork) -> list[str]:
-    """The attributes with the states of an environment, in their order, in the code of ``-O0``."""
-    lowered = lower_for_targets(network)
-    system = next(entry.system for entry in lowered.environments if entry.name == environment.name)
-    if system is None:
-        return []
-    tunable = words("parameters" if lowered.parameters else "")
-    names = _signal_names(signal_types(system), {*MEMBERS, *tunable}, PackageNames(lowered))
-    return [names[state.name] for state in system.states]
-
-
 class EnvironmentWriter:
     """Writes the module of one environment; the optimized target overrides its computations."""
 
@@ -118,7 +96,7 @@ class EnvironmentWriter:
         self.system = environment.system
         self.tunable = words("parameters" if network.parameters else "")
         self.types = signal_types(self.system) if self.system is not None else {}
-        self.names = _signal_names(self.types, {*self.members, *self.tunable}, names)
+        self.names = signal_names(self.types, {*self.members, *self.tunable}, names)
         for device in environment.drivers:
             self.names[device.name]
         self.linear = [] if self.system is None else linear_steps(self.system, self.names)
