@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from typing import Any, Final, Literal
 
 from cspdiag.runtime import Network, Process
+from cspdiag.runtime.advance.run import NetworkRun
 from cspdiag.runtime.channels.broadcast import Broadcast, BroadcastEnd
 from cspdiag.runtime.channels.channel import Channel
 from cspdiag.runtime.channels.converting import Converting
@@ -26,7 +27,6 @@ from cspdiag.runtime.kernel.observer import Observer
 from cspdiag.runtime.kernel.party import Party
 from cspdiag.runtime.kernel.scheduler import Scheduler
 from cspdiag.runtime.kernel.stopping import stopping
-from cspdiag.runtime.network import NetworkRun
 from cspdiag.runtime.outcome import Outcome
 from cspdiag.runtime.outside.drivers import Signal
 from cspdiag.runtime.outside.external import EventOutput, Port, SampledOutput

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, ClassVar
 
+import cspdiag.runtime.advance.run
 import cspdiag.runtime.network
 from cspdiag import pipeline
 from cspdiag.api import LoadedProgram
@@ -29,7 +30,7 @@ class TimeIsUp(Exception):  # noqa: N818 - it says what is the case
     """
 
 
-class _Run(cspdiag.runtime.network.NetworkRun):
+class _Run(cspdiag.runtime.advance.run.NetworkRun):
     """A run that executes its instants while laws compute."""
 
     def start(self) -> None:
