@@ -28,11 +28,11 @@ from cspdiag.codegen.python.text.code import (
     at_least,
     awaited,
     delegated,
-    infix,
     own,
     tuple_of,
 )
 from cspdiag.codegen.python.text.layout import LINE_LENGTH, comment_line
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import PASS, Statement, Unpack, assign, if_, lines, nonlocal_, return_, run
 
 NAMES = (

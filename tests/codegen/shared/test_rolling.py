@@ -8,7 +8,8 @@ from functools import partial
 import pytest
 
 from cspdiag.codegen.python.text import rolling as python_rolling
-from cspdiag.codegen.python.text.code import SUM, Code, Constant, Name, WholeNumber, awaited, infix
+from cspdiag.codegen.python.text.code import SUM, Code, Constant, Name, WholeNumber, awaited
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import lines, run
 from tests.support.counting import calls
 

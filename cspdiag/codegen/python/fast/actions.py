@@ -23,11 +23,11 @@ from cspdiag.codegen.python.text.code import (
     call,
     counted_to,
     delegated,
-    infix,
     own,
     tuple_of,
 )
 from cspdiag.codegen.python.text.literals import quoted
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.rolling import template
 from cspdiag.codegen.python.text.statements import (
     BREAK,

@@ -31,12 +31,9 @@ from cspdiag.codegen.python.text.code import (
     call,
     counted_from,
     delegated,
-    infix,
-    infix_all,
     integer,
-    minus,
-    negated,
 )
+from cspdiag.codegen.python.text.operators import infix, infix_all, minus, negated
 from cspdiag.codegen.python.text.rolling import alike_runs
 from cspdiag.codegen.python.text.statements import YIELD, Block, Statement, Statements, assign, else_, if_, run
 from cspdiag.network.ir import actions as ir

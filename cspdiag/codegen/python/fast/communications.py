@@ -23,12 +23,10 @@ from cspdiag.codegen.python.text.code import (
     WholeNumber,
     call,
     delegated,
-    infix,
-    infix_all,
-    negated,
     tuple_of,
 )
 from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.operators import infix, infix_all, negated
 from cspdiag.codegen.python.text.statements import (
     YIELD,
     Block,

@@ -28,12 +28,11 @@ from cspdiag.codegen.python.text.code import (
     Prefix,
     WholeNumber,
     call,
-    infix,
     integer,
-    minus,
     number,
 )
 from cspdiag.codegen.python.text.names import Names
+from cspdiag.codegen.python.text.operators import infix, minus
 from cspdiag.codegen.python.text.types import literal, real
 from cspdiag.codegen.shared.operations import integer_name
 from cspdiag.model.types import (

@@ -16,12 +16,10 @@ from cspdiag.codegen.python.text.code import (
     Name,
     Parenthesized,
     call,
-    infix,
-    infix_all,
-    negated,
     number,
 )
 from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.operators import infix, infix_all, negated
 from cspdiag.codegen.python.text.statements import Assign, Statement, if_, run, unpack
 from cspdiag.network.ir.expressions import BinaryOperation, Expression, FunctionCall
 

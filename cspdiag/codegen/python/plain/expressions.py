@@ -20,13 +20,11 @@ from cspdiag.codegen.python.text.code import (
     Name,
     at_least,
     call,
-    infix,
-    minus,
-    negated,
     own,
     tuple_of,
 )
 from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.operators import infix, minus, negated
 from cspdiag.codegen.python.text.types import field_names, literal
 from cspdiag.codegen.shared.operations import integer_name, known_comparison, opposite, range_check, truth_of
 from cspdiag.model.types import (

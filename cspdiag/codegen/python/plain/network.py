@@ -17,13 +17,13 @@ from cspdiag.codegen.python.text.code import (
     Items,
     Name,
     call,
-    infix,
     tuple_of,
     typed,
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.names import Names, PackageNames
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import Assign, Statement, assign, lines, return_
 from cspdiag.codegen.python.text.types import accepted, annotation, duration, literal
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass

@@ -5,7 +5,7 @@ The generators build these trees; ``layout`` breaks them over lines if a line is
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import ClassVar, Literal, TypeAlias, cast
 
 from cspdiag.base.record import lazily, record
@@ -303,7 +303,7 @@ Code: TypeAlias = (
     | Named
 )
 
-_PARENTHESES: Parentheses[Code] = Parentheses(
+PARENTHESES: Parentheses[Code] = Parentheses(
     Parenthesized,
     {
         OR: Operands(NOT, NOT),  # `and` binds tighter, but readers should not need to know
@@ -316,6 +316,7 @@ _PARENTHESES: Parentheses[Code] = Parentheses(
         PRODUCT: Operands(PRODUCT, SIGN),
     },
 )
+"""What binds how tightly, of the operators that the generators use."""
 
 SELF = Name("self")
 NONE = Constant("None")
@@ -381,35 +382,9 @@ def delegated(item: Code) -> Prefix:
     return Prefix("yield from ", item)
 
 
-def negated(item: Code) -> Prefix:
-    """``not x``."""
-    return Prefix("not ", at_least(item, NOT))
-
-
-def minus(item: Code) -> Code:
-    """``-x``."""
-    return Prefix("-", at_least(item, SIGN))
-
-
 def at_least(code: Code, precedence: int) -> Code:
     """``code``, in parentheses if it binds more loosely than ``precedence``."""
-    return _PARENTHESES.at_least(code, precedence)
-
-
-def infix(operator: str, precedence: int, left: Code, right: Code) -> Code:
-    """``left operator right`` for an operator that groups to the left; comparisons do not chain."""
-    first, second = _PARENTHESES.operands(precedence, left, right)
-    if isinstance(first, Chain) and first.level == precedence:
-        return Chain(precedence, first.first, (*first.rest, (operator, second)))
-    return Chain(precedence, first, ((operator, second),))
-
-
-def infix_all(operator: str, precedence: int, operands: Sequence[Code]) -> Code:
-    """``a operator b operator c``."""
-    first, *rest = operands
-    for operand in rest:
-        first = infix(operator, precedence, first, operand)
-    return first
+    return PARENTHESES.at_least(code, precedence)
 
 
 def attributes_of_self(item: object) -> Iterator[str]:

@@ -29,8 +29,8 @@ from cspdiag.codegen.python.text.code import (
     at_least,
     counted_from,
     counted_to,
-    infix,
 )
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import Statement, Statements, repeat
 from cspdiag.codegen.shared.trees import LEAST, Outline, outline, refilled, repeated, repetitions_from
 

@@ -16,7 +16,6 @@ from cspdiag.codegen.python.text.code import (
     Name,
     WholeNumber,
     call,
-    infix,
     integer,
     number,
     tuple_of,
@@ -24,6 +23,7 @@ from cspdiag.codegen.python.text.code import (
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.names import member_names
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.model.constants.arithmetic import single
 from cspdiag.model.types import (
     ArrayType,

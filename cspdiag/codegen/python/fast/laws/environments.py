@@ -29,11 +29,11 @@ from cspdiag.codegen.python.text.code import (
     WholeNumber,
     call,
     counted_to,
-    infix,
     mentions,
     own,
 )
 from cspdiag.codegen.python.text.names import PackageNames
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import Block, For, Function, Statement, assign, if_, run
 from cspdiag.codegen.shared.laws.equations import changes, held
 from cspdiag.network.elaborate.constant_value import constant_value

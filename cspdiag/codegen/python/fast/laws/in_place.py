@@ -25,10 +25,9 @@ from cspdiag.codegen.python.text.code import (
     WholeNumber,
     call,
     counted_to,
-    infix,
-    infix_all,
 )
 from cspdiag.codegen.python.text.names import Names, identifier
+from cspdiag.codegen.python.text.operators import infix, infix_all
 from cspdiag.codegen.python.text.statements import Assign, For, Statement, assign, if_
 from cspdiag.codegen.python.text.types import annotation, real
 from cspdiag.codegen.shared.laws.equations import changes, defined, read_after_change

@@ -14,8 +14,9 @@ from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.plain.laws.integration import rounded
-from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Constant, Name, infix
+from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Constant, Name
 from cspdiag.codegen.python.text.names import Names
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import Statement, assign, change
 from cspdiag.codegen.shared.laws.equations import needed, signals, uses_time
 from cspdiag.model.types import is_single

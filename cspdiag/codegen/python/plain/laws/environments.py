@@ -25,12 +25,12 @@ from cspdiag.codegen.python.text.code import (
     WholeNumber,
     call,
     counted_to,
-    infix,
     own,
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.names import PackageNames
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import For, Function, Statement, assign, if_, lines, run
 from cspdiag.codegen.python.text.types import annotation, duration

@@ -16,11 +16,11 @@ from cspdiag.codegen.python.text.code import (
     call,
     code,
     counted_to,
-    infix,
     own,
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import Names
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import For, Function, Statement, Statements, assign, change, return_, unpack
 from cspdiag.codegen.shared.laws.equations import changes, held, needed, signals, uses_time
 from cspdiag.model.types import Type, is_single

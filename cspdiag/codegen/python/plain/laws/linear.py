@@ -7,10 +7,11 @@ from textwrap import wrap
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Constant, Name, call, infix, infix_all, tuple_of
+from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Constant, Name, call, tuple_of
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.layout import LINE_LENGTH
 from cspdiag.codegen.python.text.names import Names
+from cspdiag.codegen.python.text.operators import infix, infix_all
 from cspdiag.codegen.python.text.statements import Remark, Statement, assign, unpack
 from cspdiag.network.ir.equations import LinearBlock
 from cspdiag.network.ir.expressions import Expression

@@ -8,23 +8,12 @@ from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules, external_call
 from cspdiag.codegen.python.plain.laws.integration import Integration
-from cspdiag.codegen.python.text.code import (
-    PRODUCT,
-    Argument,
-    Call,
-    Code,
-    Constant,
-    Name,
-    awaited,
-    call,
-    infix,
-    own,
-    tuple_of,
-)
+from cspdiag.codegen.python.text.code import PRODUCT, Argument, Call, Code, Constant, Name, awaited, call, own, tuple_of
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule, parameter_annotation, port_annotation
 from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, identifier
+from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, return_, run, unpack
 from cspdiag.codegen.python.text.types import accepted, annotation, duration
