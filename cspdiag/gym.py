@@ -198,7 +198,10 @@ class PlantEnv(gymnasium.Env[Any, Any]):
         self._is_running = False
 
     def _taken(self, action: Any) -> Vector:
-        taken: Vector = numpy.asarray(action, dtype=numpy.float64)
+        try:
+            taken: Vector = numpy.asarray(action, dtype=numpy.float64)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"an action is an array of numbers, not {shown(action)}") from None
         if taken.shape != self.action_space.shape:
             raise ArgumentError(
                 f"an action has the shape {self.action_space.shape} ({', '.join(self.action_names)}), not {taken.shape}"

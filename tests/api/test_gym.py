@@ -168,6 +168,7 @@ def test_an_episode_may_have_settings_of_its_own() -> None:
     [
         (lambda env: env.step([0.0]), r"the shape \(3,\) \(inflow, gate, lamps\), not \(1,\)"),
         (lambda env: env.step([float("nan"), 0.0, 0.0]), "an action is finite"),
+        (lambda env: env.step("x"), "an action is an array of numbers, not 'x'"),
         (lambda env: env.reset(options={"seed": 1}), "there is no option 'seed'"),
         (lambda env: _pump(limits={"gat": 1}), "there is no port 'gat'; there are: count, full, gate"),
         (lambda env: _pump(limits={"gate": (1, 0)}), "leaves no value"),
