@@ -215,6 +215,44 @@ test("the message about a damaged link goes with the next program, which the lis
   await page.close();
 });
 
+test("the Tab key reaches every control in the order of the page, each with a name and a visible focus", async () => {
+  const page = await studio.open();
+  await page.getByText("No problems").waitFor();
+  const unreached = await page.evaluate(() => {
+    const all = document.querySelectorAll("button, select, input, summary, [tabindex='0']");
+    window.unreached = new Set([...all].filter((each) => each.checkVisibility() && !each.disabled && each.tabIndex >= 0));
+    return window.unreached.size;
+  });
+  assert.ok(unreached > 20);
+  const wrong = [];
+  for (let presses = 0; presses < 80; presses++) {
+    await page.keyboard.press("Tab");
+    const found = await page.evaluate(() => {
+      const here = document.activeElement;
+      const before = window.before;
+      window.before = here;
+      window.unreached.delete(here);
+      const name = here.ariaLabel ?? here.labels?.[0]?.textContent ?? (here.textContent.trim() || here.title);
+      const isEditor = here.classList.contains("cm-content"); // It has a cursor.
+      return {
+        end: here === document.body,
+        isEditor,
+        is: `${here.tagName} ${here.id} ${name}`,
+        named: name.trim() !== "",
+        follows: before === undefined || (before.compareDocumentPosition(here) & Node.DOCUMENT_POSITION_FOLLOWING) !== 0,
+        shown: isEditor || getComputedStyle(here).outlineStyle !== "none",
+      };
+    });
+    if (found.end) break;
+    if (!found.named || !found.follows || !found.shown) wrong.push(found);
+    // In the text the key indents, after Escape it leaves.
+    if (found.isEditor) await page.keyboard.press("Escape");
+  }
+  assert.deepEqual(wrong, []);
+  assert.deepEqual(await page.evaluate(() => [...window.unreached].map((each) => each.outerHTML.slice(0, 100))), []);
+  await page.close();
+});
+
 test("the border of the text moves, and stays there", async () => {
   const page = await studio.open();
   const width = () => page.locator("#ui-part-text").evaluate((part) => part.offsetWidth);

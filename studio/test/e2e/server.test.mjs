@@ -143,6 +143,21 @@ test("of two pages one controls the program, and the other can take control", as
   await second.close();
 });
 
+test("a page that is loaded again in the middle of a run can run the program again", async () => {
+  const page = await open();
+  await page.getByLabel("Speed").selectOption("0.1");
+  await page.locator("#ui-run-button").click();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.01);
+  await page.reload();
+  await page.locator("#ui-diagram svg").waitFor();
+  await page.locator("#ui-run-button:enabled").waitFor();
+  await page.locator("#ui-run-button").click();
+  await page.locator("#ui-plots .plot").first().waitFor();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.01);
+  assert.equal(await page.locator("#ui-run-note.bad").count(), 0);
+  await page.close();
+});
+
 test("in real time a program keeps pace with the clock, and can be stopped, not paused", async () => {
   const page = await open();
   await page.getByLabel("Example", { exact: true }).selectOption("watchdog");
@@ -239,4 +254,16 @@ environment Bench for Hold { still : Still valve : Valve(${end}) still.x -> x y 
     }
     await page.close();
   }
+});
+
+test("a page whose server was killed says that the run has ended, and with what", async () => {
+  const page = await open();
+  await page.getByLabel("Speed").selectOption("0.1");
+  await page.locator("#ui-run-button").click();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.01);
+  server.removeAllListeners("exit");
+  server.kill("SIGKILL");
+  await page.locator("#ui-engine.bad", { hasText: "The engine is gone" }).waitFor();
+  await page.locator("#ui-run-note.bad", { hasText: "The run has ended, as its engine is gone." }).waitFor();
+  await page.close();
 });
