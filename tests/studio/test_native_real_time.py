@@ -193,7 +193,7 @@ def test_a_computation_without_end_is_stopped_soon_and_outputs_are_safe(
     ended = talk.notifications[-1]["params"]
     assert ended["reason"] == "stopped"
     who = "Scale (last waited at valve.csp:7)"
-    why = f"{who} did not come to an end and was interrupted; the outputs have their safe values"
+    why = f"{who} did not end and was interrupted; the outputs have their safe values"
     assert ended["text"].splitlines()[1] == why
 
 

@@ -176,7 +176,7 @@ class LiveRun:
         return self._reached(reached, until)
 
     def keep_pace(self, duration: int) -> None:
-        """Continue a run in real time for so many nanoseconds of its clock."""
+        """Continue a run in real time for that many nanoseconds of its clock."""
         assert self._paced is not None
         until = min(self._paced.present + duration, self._until)
         self._run.advance(until)

@@ -209,13 +209,13 @@ class SteeredProcess:
         self.lateness = b"\n".join(_LATENESS.findall(self._written())).decode()
 
     def _forced(self) -> ProgramGoneError:
-        """What is to be said of a program that could not end by itself."""
+        """Why a program was ended by force, and what that means for its outputs."""
         working = " and ".join(self._monitor.running_processes) or "the native program"
         code = self._process.returncode
         if code == exit_code_of(signal.SIGTERM):
-            text = f"{working} did not come to an end and was interrupted; the outputs have their safe values"
+            text = f"{working} did not end and was interrupted; the outputs have their safe values"
         elif code == -signal.SIGKILL:
-            text = f"{working} did not come to an end within {_PATIENCE_TO_END:g} s, nor did what releases the outputs"
+            text = f"{working} did not end within {_PATIENCE_TO_END:g} s, nor did what releases the outputs"
             text = f"{text}: the native program was killed, and outputs may be as they were"
         else:
             text = f"the native program has failed: {self._why()}"
