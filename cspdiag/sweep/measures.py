@@ -193,7 +193,7 @@ def _unit(kind: str, type_: Type) -> str:
 
 def measured(measures: Measures, observations: Sequence[tuple[int, int, float]], end: int) -> tuple[float | None, ...]:
     """The values, of a run that ended at ``end`` nanoseconds; None if nothing was observed, it did not settle, or the
-    result is no number.
+    result is not a number.
 
     ``observations`` are instants in nanoseconds, positions of signals, and values, in order. The same operations, in
     the same order, as in ``csp_sweep_measures.c``.
@@ -292,7 +292,7 @@ class Meter:
             self._result += (self._value * self._value) * held
 
     def result(self, end: int) -> float | None:
-        """The measure of a run that ended at ``end`` nanoseconds; None if there is no number."""
+        """The measure of a run that ended at ``end`` nanoseconds; None if it is not a number."""
         from math import isnan
 
         if self._since is None:

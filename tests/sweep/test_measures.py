@@ -75,7 +75,7 @@ def test_what_becomes_too_large_is_infinite(kind: str) -> None:
     assert of(kind, (1, large), (2, large), (3, large), (9, large), end=9) == inf
 
 
-def test_what_is_no_number_is_nothing() -> None:
+def test_what_is_not_a_number_is_nothing() -> None:
     assert of("mean", (1, inf), (2, -inf), end=9) is None
     assert of("last", (1, nan), end=9) is None
 

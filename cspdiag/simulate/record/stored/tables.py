@@ -321,7 +321,7 @@ def _read(number: Callable[[str], float], cell: str, what: str) -> float:
     try:
         return number(cell)
     except ValueError:
-        raise ValueError(f"{cell[:60]!r} is no {what}") from None
+        raise ValueError(f"{cell[:60]!r} is not a {what}") from None
 
 
 def open_parquet(path: str) -> StoredRecording:
