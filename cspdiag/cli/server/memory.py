@@ -1,6 +1,7 @@
 """What a process that outlives a command knows about texts: their trees, and the findings in whole programs.
 
 Everything is found by content. A path or a time decides nothing, so what is remembered is what a new check would find.
+A program with FMUs is checked anew each time: what is found in it is not decided by texts alone.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from cspdiag.base.record import record
 from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
+from cspdiag.model.names.described import names_fmu
 from cspdiag.model.types import Real
 from cspdiag.pipeline import Reader, check
 from cspdiag.syntax import kept
@@ -81,8 +83,16 @@ class Memory:
             self.uses.append(known[0])
             return known[1]
         reading = _Reading(read)
-        found = check(main, reading, parse=self._parse, for_findings=True).report.diagnostics
-        if not reading.has_failed:
+        names_fmus = False
+
+        def parse(source: SourceFile, report: Report) -> SourceTree:
+            nonlocal names_fmus
+            tree = self._parse(source, report)
+            names_fmus = names_fmus or names_fmu(tree)
+            return tree
+
+        found = check(main, reading, parse=parse, for_findings=True).report.diagnostics
+        if not reading.has_failed and not names_fmus:
             self.uses.append(Use((main.name, main.text), tuple(reading.texts.items())))
         return found
 

@@ -33,6 +33,11 @@ def fmu_path(external: ast.External) -> str:
     return posixpath.normpath(posixpath.join(posixpath.dirname(external.target_span.file), target))
 
 
+def names_fmu(tree: ast.SourceTree) -> bool:
+    """Whether a file has a submodel that is an FMU, so that what is found in it depends on more than its text."""
+    return any(map(_is_fmu, tree.items))
+
+
 def with_described_ports(trees: Sequence[ast.SourceTree]) -> list[ast.SourceTree]:
     """The trees, in which submodels that are FMUs and declare no ports have those of the FMU. One that cannot be read
     is left as it is; it is reported when bodies are checked.
@@ -40,13 +45,16 @@ def with_described_ports(trees: Sequence[ast.SourceTree]) -> list[ast.SourceTree
     return [_with_ports(tree) if any(map(_lacks_ports, tree.items)) else tree for tree in trees]
 
 
-def _lacks_ports(item: ast.Node) -> bool:
+def _is_fmu(item: ast.Node) -> bool:
     return (
         isinstance(item, ast.SubmodelDefinition)
         and item.external is not None
         and item.external.language.text == LANGUAGE
-        and not item.ports
     )
+
+
+def _lacks_ports(item: ast.Node) -> bool:
+    return isinstance(item, ast.SubmodelDefinition) and _is_fmu(item) and not item.ports
 
 
 def lacks_description(definition: ast.Node) -> bool:

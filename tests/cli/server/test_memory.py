@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
+
 from cspdiag.base.sources import SourceFile
 from cspdiag.cli.server.memory import Memory, Use
 from cspdiag.pipeline import check
@@ -62,6 +64,16 @@ def test_a_program_with_a_file_that_cannot_be_read_is_not_learned() -> None:
     assert memory.uses == []
     known = learned({"part.csp": GOOD})
     assert [found.code for found in known.findings(MAIN, reader({}))] == ["E0120"]
+
+
+@pytest.mark.parametrize("file", ["main.csp", "part.csp"])
+def test_a_program_with_an_fmu_is_not_learned(file: str) -> None:
+    submodel = 'submodel Plant fmu "plant.fmu" { in u : double  out y : double }\n'
+    texts = {"main.csp": MAIN.text, "part.csp": GOOD}
+    texts[file] += submodel
+    memory = Memory()
+    memory.findings(SourceFile(name="main.csp", text=texts["main.csp"]), reader(texts))
+    assert memory.uses == [], "it depends on a file that is no text"
 
 
 def test_what_was_used_last_is_kept() -> None:
