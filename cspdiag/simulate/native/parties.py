@@ -46,9 +46,10 @@ class Parties:
         if len(candidates) == 1:
             return candidates[0]
         # Of a process and its law it is the law, which communicates in every sample, the process only when it begins
-        # and ends.
+        # and ends. Which of several laws or processes it is, is not in the record: it is one of ``process``.
         active = [user for user in candidates if self._process_of(user) in self._running]
-        return max(active, key=lambda user: user in self._laws, default=process)
+        likely = [user for user in active if user in self._laws] or active
+        return likely[0] if len(likely) == 1 else process
 
     def _process_of(self, user: str) -> str:
         return user.rpartition(".")[0] if user in self._laws else user
