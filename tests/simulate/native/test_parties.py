@@ -42,4 +42,4 @@ def test_of_several_laws_none_is_guessed() -> None:
     native, in_python = (users(target) for target in ("c", "python"))
     assert in_python.pop("Top.r") == {("", "Top.first"), ("", "Top.second")}
     assert native.pop("Top.r") == {("", "Top")}
-    assert native == in_python == {"Top.u0": {("Top.first", "")}, "Top.u1": {("Top.second", "")}
+    assert native == in_python == {"Top.u0": {("Top.first", "")}, "Top.u1": {("Top.second", "")}}
