@@ -56,7 +56,7 @@ def span_of(result: Run, joint: Joint, mode: str) -> tuple[float, float]:
     path = f"Jiwy.{joint.name}.{mode}"
     (activity,) = [activity for activity in result.activities if activity.path == path]
     assert activity.end is not None
-    return activity.start / 1e9, activity.end * 1e-9
+    return activity.start / 1e9, activity.end / 1e9
 
 
 def angle_at(result: Run, joint: Joint, instant: float) -> float:

@@ -9,6 +9,7 @@ import pytest
 
 from cspdiag.codegen.c.text import code as c
 from cspdiag.codegen.python.text import code as python
+from cspdiag.codegen.python.text.operators import infix
 
 OPERATORS = {
     "or": python.OR, "and": python.AND, "<": python.COMPARISON, "==": python.COMPARISON, "|": python.BITS_OR,
@@ -20,10 +21,10 @@ OPERATORS = {
 @pytest.mark.parametrize(("outer", "inner"), list(product(OPERATORS, repeat=2)))
 def test_python_reads_what_was_built(outer: str, inner: str) -> None:
     x, y, z = map(python.Name, "xyz")
-    inside = python.infix(inner, OPERATORS[inner], x, y)
+    inside = infix(inner, OPERATORS[inner], x, y)
     for built, expected in (
-        (python.infix(outer, OPERATORS[outer], inside, z), f"(x {inner} y) {outer} z"),
-        (python.infix(outer, OPERATORS[outer], z, inside), f"z {outer} (x {inner} y)"),
+        (infix(outer, OPERATORS[outer], inside, z), f"(x {inner} y) {outer} z"),
+        (infix(outer, OPERATORS[outer], z, inside), f"z {outer} (x {inner} y)"),
     ):
         same = ast.dump(ast.parse(built.flat)) == ast.dump(ast.parse(expected))
         chained = outer == inner in ("and", "or")  # Python itself makes one node of a chain of them
@@ -54,6 +55,6 @@ def test_rows_of_conditions_need_no_parentheses() -> None:
     row = c.infix("&&", c.AND, c.infix("&&", c.AND, parts[0], parts[1]), parts[2])
     assert str(row) == "a && b && c"
     assert str(c.infix("||", c.OR, row, parts[0])) == "(a && b && c) || a"
-    both = python.infix("and", python.AND, python.Name("a"), python.Name("b"))
-    mixed = python.infix("or", python.OR, both, python.NONE)
+    both = infix("and", python.AND, python.Name("a"), python.Name("b"))
+    mixed = infix("or", python.OR, both, python.NONE)
     assert mixed.flat == "(a and b) or None"

@@ -8,9 +8,10 @@ import os
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.errors import missing_package
+from cspdiag.base.record import record
 from cspdiag.model.types import (
     BOOL,
     DOUBLE,
@@ -204,7 +205,8 @@ def _guessed(file: Any, columns: Sequence[str]) -> dict[str, Type]:
     return {name: EnumType(name, tuple(names[name])) if name in names else kinds.get(name, DOUBLE) for name in columns}
 
 
-class _Row(NamedTuple):
+@record
+class _Row:
     """A row that is whole; ``line`` is its number in the file, ``time`` in nanoseconds."""
 
     line: int
