@@ -31,6 +31,7 @@ NOT_RUN = (
     "cspdiag bench",  # Takes minutes, and needs what it compares with: `make bench`.
     "cspdiag studio",  # Serves until it is stopped: tests/studio/server.
     "cspdiag run models/jiwy/jiwy.csp --real-time --serve",  # Serves until it is stopped: tests/simulate/record.
+    "cspdiag check --server-status",  # Depends on whether the server has started by then: tests/cli/server.
     "cspdiag run models/jiwy/jiwy.csp --environment Gamepad",  # Needs a gamepad: tests/devices.
     "cspdiag run twice.csp --real-time",  # Waits for a device: tests/docs/test_devices_page.py.
     "cspdiag run heater.csp --target c --real-time",  # Runs until it is stopped: tests/docs/test_docs.py.
