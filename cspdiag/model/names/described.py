@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import posixpath
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 from cspdiag.base import Report, SourceFile
 from cspdiag.base.record import replaced
@@ -45,7 +45,7 @@ def with_described_ports(trees: Sequence[ast.SourceTree]) -> list[ast.SourceTree
     return [_with_ports(tree) if any(map(_lacks_ports, tree.items)) else tree for tree in trees]
 
 
-def _is_fmu(item: ast.Node) -> bool:
+def _is_fmu(item: ast.Node) -> TypeGuard[ast.SubmodelDefinition]:
     return (
         isinstance(item, ast.SubmodelDefinition)
         and item.external is not None
@@ -54,7 +54,7 @@ def _is_fmu(item: ast.Node) -> bool:
 
 
 def _lacks_ports(item: ast.Node) -> bool:
-    return isinstance(item, ast.SubmodelDefinition) and _is_fmu(item) and not item.ports
+    return _is_fmu(item) and not item.ports
 
 
 def lacks_description(definition: ast.Node) -> bool:

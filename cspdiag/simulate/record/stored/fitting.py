@@ -62,7 +62,11 @@ def as_values(numbers: numpy.ndarray, kind: Type, name: str = "") -> numpy.ndarr
 
 def fitted(values: numpy.ndarray, name: str, kind: Type) -> numpy.ndarray:
     """The same for values of any type: those of a port of this name."""
-    numbers = [as_values(leaf_of_each(values, path), inner, full) for full, inner, path in leaves(name, kind)]  # type: ignore[arg-type]
+    import numpy
+
+    numbers = [
+        as_values(numpy.asarray(leaf_of_each(values, path)), inner, full) for full, inner, path in leaves(name, kind)
+    ]
     return assembled(numbers, kind, len(values))
 
 
