@@ -229,7 +229,9 @@ class _Program:
     def _of(self, port: ExternalPort) -> Iterator[Variable]:
         member = self._interface.members[port.key]
         is_event = port.medium == "event"
-        place = f"values.{member}_event.value" if is_event else f"values.{port.direction}puts.{member}"
+        place = f"values.{port.direction}puts.{self._interface.places[port.key]}"
+        if is_event:
+            place = f"values.{member}_event.value"
         causality = "input" if port.direction == "in" else "output"
         start = zero(port.type) if port.direction == "out" or port.default is None else port.default
         about = port.doc or ""

@@ -79,6 +79,15 @@ class Interface:
         return {port.key: names[port.key] for port in self.network.external_ports}
 
     @cached_property
+    def places(self) -> Mapping[str, str]:
+        """Where ports are in the structures of inputs and outputs, by their keys: ``level``, ``lamps[2]``."""
+        return {
+            port.key: self.types.field(name) + ("" if port.index is None else f"[{position}]")
+            for name, ports in port_groups(self.network.external_ports)
+            for position, port in enumerate(ports)
+        }
+
+    @cached_property
     def events(self) -> list[ExternalPort]:
         """Inputs that functions bring."""
         return [port for port in self.network.external_ports if port.medium == "event"]
@@ -149,14 +158,21 @@ class Interface:
         if not ports:
             return []
         name = self.prefix
-        fields = [
-            define(self.types.type_name(port.type), self.members[port.key], remark=self._remark(port)) for port in ports
-        ]
+        fields = [self._field(member, group) for member, group in port_groups(ports)]
+        has_arrays = any(port.index is not None for port in ports)
+        of_arrays = "; those of the elements of an array follow each other" if has_arrays else ""
         return [
-            f"/* {title}, and a name for each. */",
+            f"/* {title}, and a name for each{of_arrays}. */",
             *lines([Block(tuple(fields), f"typedef struct {name}_{word}s", f"}} {name}_{word}s;")]),
             *self._names(word, ports),
         ]
+
+    def _field(self, name: str, ports: Sequence[ExternalPort]) -> Statement:
+        """The member for a port, or for an array of ports."""
+        first = ports[0]
+        extent = "" if first.index is None else f"[{len(ports)}]"
+        remark = " ".join(first.doc.split()) if first.doc else f"{self.network.top}.{name}"
+        return define(self.types.type_name(first.type), f"{self.types.field(name)}{extent}", remark=remark)
 
     def _names(self, word: str, ports: Sequence[ExternalPort]) -> list[str]:
         return self._enum(word, [self.literals[port.key] for port in ports])
@@ -184,9 +200,6 @@ class Interface:
     def event_names(self) -> str:
         """A name for each event; empty if there are none."""
         return "\n".join(["/* A name for each event. */", *self._names("event", self.events)]) if self.events else ""
-
-    def _remark(self, port: ExternalPort) -> str:
-        return " ".join(port.doc.split()) if port.doc else f"{self.network.top}.{port.key}"
 
     @property
     def event_declarations(self) -> list[str]:
@@ -231,13 +244,13 @@ class Interface:
         return ["{", "    return csp_event_bring(&self->network.kernel,", f"        {medium}, &value);", "}"]
 
     def _reader(self, port: ExternalPort) -> list[str]:
-        member, name = self.members[port.key], self.prefix
+        place, name = self.places[port.key], self.prefix
         return [
-            f"static bool read_{member}(void *device, void *value)",
+            f"static bool read_{self.members[port.key]}(void *device, void *value)",
             "{",
             f"    {name}_instance *const self = device;",
             f"    return sample_input(self, {self.literals[port.key]}, value,",
-            f"        &self->inputs.{member}, sizeof self->inputs.{member});",
+            f"        &self->inputs.{place}, sizeof self->inputs.{place});",
             "}",
         ]
 
@@ -252,13 +265,13 @@ class Interface:
         ]
 
     def _writer(self, port: ExternalPort) -> list[str]:
-        member, name = self.members[port.key], self.prefix
+        place, name = self.places[port.key], self.prefix
         return [
-            f"static void write_{member}(void *device, const void *value)",
+            f"static void write_{self.members[port.key]}(void *device, const void *value)",
             "{",
             f"    {name}_instance *const self = device;",
             f"    actuate_output(self, {self.literals[port.key]}, value,",
-            f"        &self->outputs.{member}, sizeof self->outputs.{member});",
+            f"        &self->outputs.{place}, sizeof self->outputs.{place});",
             "}",
         ]
 
