@@ -31,7 +31,7 @@ test: $(VENV)/.stamp-dev page ## Run the whole test suite
 	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n 3 --dist worksteal
 
 hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for some hours
-	THOROUGH=1 $(BIN)/pytest tests/distribution/site/test_commands_of_pages.py tests/analyses/timing tests/conformance tests/semantics/test_single_precision.py tests/simulate/faults
+	THOROUGH=1 $(BIN)/pytest tests/distribution/site/test_commands_of_pages.py tests/analyses/timing tests/analyses/margins/test_turns.py tests/network/checks/samples/test_random_readers.py tests/conformance tests/semantics/test_single_precision.py tests/simulate/faults
 	$(BIN)/python -m tests.robustness.hunt --count 100000
 	$(BIN)/python -m tests.robustness.test_fixed_programs 20000
 	$(BIN)/python -m tests.lsp.hunt

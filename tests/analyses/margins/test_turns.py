@@ -10,6 +10,7 @@ import pytest
 import cspdiag
 from tests.analyses.margins.random_turns import contradiction, search
 from tests.models.programs import MODELS
+from tests.support.thorough import usual_or_thorough
 
 LOOP = """
 submodel Law {{ in a : double  in b : double  out u : double  u = -({ka}) * a - ({kb}) * b }}
@@ -148,6 +149,6 @@ def test_an_outer_loop_that_is_not_followed_is_refused(inner: str, reason: str) 
 
 
 def test_no_verdict_on_a_random_program_contradicts_its_runs() -> None:
-    verdicts, wrong = search(150, seed=7)
+    verdicts, wrong = search(usual_or_thorough(60, 600), seed=7)
     assert wrong == []
-    assert verdicts > 25
+    assert verdicts > usual_or_thorough(10, 100)

@@ -212,6 +212,7 @@ def test_a_long_chain_is_broken_into_rows() -> None:
 
 @needs_engine
 def test_a_large_chain_is_laid_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(elk, "LARGE", 100)
     boxes = tuple(box(f"box{number}") for number in range(elk.LARGE))
     lines = tuple(Edge(f"line{n}", (f"box{n}.out0",), (f"box{n + 1}.in0",)) for n in range(len(boxes) - 1))
     back = Edge("back", (f"box{len(boxes) - 1}.out0",), ("box0.in0",))

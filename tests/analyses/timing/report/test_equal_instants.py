@@ -170,7 +170,7 @@ def is_late_in_a_run(network: Network, periods: dict[str, int], source: random.R
 
 def test_loops_that_end_at_each_others_ticks_are_late_only_where_that_is_said() -> None:
     answers: Counter[bool | None] = Counter()
-    for seed in range(usual_or_thorough(40, 400)):
+    for seed in range(usual_or_thorough(20, 400)):
         source = random.Random(seed)
         names = "abc"[: source.randint(1, 3)]
         loops = [(name, source.choice([1, 2, 4]), 250 * source.randint(0, 6)) for name in names]
@@ -181,7 +181,7 @@ def test_loops_that_end_at_each_others_ticks_are_late_only_where_that_is_said() 
         with on_processor():
             is_late = is_late_in_a_run(network, {f"Main.{n}": t * MS for n, t, _ in loops}, source)
         assert answer is None or answer is not is_late, text
-    assert min(answers[True], answers[False]) >= usual_or_thorough(12, 120)
+    assert min(answers[True], answers[False]) >= usual_or_thorough(6, 120)
 
 
 def test_no_order_keeps_a_loop_that_computes_nothing_in_time_behind_a_long_step() -> None:

@@ -18,6 +18,7 @@ from tests.network.checks.samples.random_readers import reader
 from tests.oracle.explore import explore
 from tests.oracle.programs.text import text
 from tests.oracle.programs.tree import After, Alt, Bin, Interrupt, Program, Skip, walk
+from tests.support.thorough import usual_or_thorough
 
 
 def warned(source: str) -> list[SamplesMissed] | None:
@@ -80,10 +81,10 @@ def hunt(seeds: Iterable[int]) -> tuple[Counter[str], list[tuple[int, str]]]:
 
 
 def test_warnings_are_of_runs_that_miss_samples() -> None:
-    counts, wrong = hunt(range(60))
+    counts, wrong = hunt(range(usual_or_thorough(30, 300)))
     assert wrong == []
-    assert counts["missed"] > 15
-    assert counts["in time"] > 15
+    assert counts["missed"] > usual_or_thorough(7, 70)
+    assert counts["in time"] > usual_or_thorough(7, 70)
 
 
 if __name__ == "__main__":
