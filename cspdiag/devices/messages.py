@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -19,6 +20,8 @@ MILLISECOND = 1_000_000
 SECOND = 1000 * MILLISECOND
 
 _CLOSED: Any = object()
+_NOT_FINITE = re.compile(r'(?<!["\w])(?:(nan)|(inf)(?:inity)?)(?!["\w])', re.IGNORECASE)
+"""A NaN or an infinity as ``printf`` and ``Serial.print`` write it."""
 
 
 class MessageDevice:
@@ -169,11 +172,21 @@ def encoded(value: Any) -> str:
 
 
 def parsed(text: str | bytes) -> Any:
-    """A value from JSON. Raises ValueError for other text, and for what is nested too deeply."""
+    """A value from JSON, in which a NaN and infinities may also be spelled as C does. Raises ValueError for other text,
+    and for what is nested too deeply.
+    """
     try:
-        return json.loads(text)
+        try:
+            return json.loads(text)
+        except ValueError:
+            return json.loads(_with_names_of_json(text if isinstance(text, str) else text.decode()))
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
+
+
+def _with_names_of_json(text: str) -> str:
+    named = _NOT_FINITE.sub(lambda found: "NaN" if found[1] else "Infinity", text)
+    return named.replace("-NaN", "NaN")
 
 
 def decoded(text: str | bytes) -> Any:

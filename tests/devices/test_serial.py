@@ -67,7 +67,7 @@ def _board() -> Iterator[_Board]:
 
 def _repeated(board: _Board) -> None:
     """A board sends all the time: what came before the line was opened is lost."""
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + 30  # The program is compiled meanwhile.
     while board.peer.heard.empty() and time.monotonic() < deadline:
         board.send(b"# a board\nlevel 1.5\n")
         time.sleep(0.02)
@@ -85,6 +85,17 @@ def test_values_go_both_ways_and_the_output_is_released() -> None:
     with _board() as board:
         result = _run(board, converse(board.peer))
     assert result.outcome.ended == "terminated"
+
+
+def test_an_infinity_is_a_value_as_printf_writes_it() -> None:
+    with _board() as board:
+
+        def script() -> None:
+            board.send(b"level -inf\n")
+            board.peer.expect(-1)
+
+        result = _run(board, script)
+    assert failure(result).startswith("a real value is infinite or not a number")
 
 
 def test_nonsense_ends_the_run_with_its_outputs_released() -> None:
