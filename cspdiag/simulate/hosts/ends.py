@@ -3,6 +3,10 @@
 The channel exists in both places. In that of its writer a ``SendingEnd`` reads from it on behalf of the readers
 elsewhere: it offers the value to them, and takes it when they have taken it, so the writer waits for that long. In a
 place of readers a ``ReceivingEnd`` writes to it on behalf of the writer.
+
+Each offer gets one answer: it was taken, or it was returned. A writer that waits no longer withdraws its offer, and
+nothing else is offered before the answer. So of writers that gave up at most one can have its value taken
+nevertheless: that whose answer was on the way, or lost, then.
 """
 
 from __future__ import annotations
@@ -17,12 +21,12 @@ from cspdiag.runtime.kernel.executed import Executed
 from cspdiag.runtime.kernel.party import Entry, ReadyQueue
 from cspdiag.runtime.kernel.scheduler import Scheduler
 
-Doing: TypeAlias = Literal["offer", "withdraw", "taken"]
+Doing: TypeAlias = Literal["offer", "withdraw", "taken", "returned"]
 
 
 class Item(NamedTuple):
-    """What one end of a channel tells the other: the value is offered by a writer, withdrawn, or was taken. ``number``
-    counts the offers.
+    """What one end of a channel tells the other: the value is offered by a writer, withdrawn, was taken, or goes back
+    without having been taken. ``number`` counts the offers.
     """
 
     doing: Doing
@@ -61,7 +65,9 @@ class SendingEnd:
         self._arrivals = _Arrivals()
         self._number = 0
         self._offered = 0
-        """Which arrival was offered and neither taken nor withdrawn; 0: none."""
+        """Which arrival was offered and neither answered nor withdrawn; 0: none."""
+        self._answered = 0
+        """The number of the last offer that was answered."""
         end.watch_input(self._arrivals, 1)
 
     @property
@@ -75,7 +81,7 @@ class SendingEnd:
         if self._offered and (not waits or self._offered != self._arrivals.count):
             self._offered = 0
             self._tell(self.place, Item("withdraw", self.end.name, self._number))
-        if waits and not self._offered:
+        if waits and self._answered == self._number:
             offered = self.end.offered
             assert offered is not None
             value, writer = offered
@@ -86,9 +92,15 @@ class SendingEnd:
 
     def taken(self, number: int) -> None:
         """The readers have taken a value; the writer continues, if it has not been withdrawn in the meantime."""
-        if number == self._number and self._offered == self._arrivals.count and self._arrivals.ready:
-            self._offered = 0
+        was_offered = self._offered == self._arrivals.count and self._arrivals.ready
+        self.returned(number)
+        if was_offered:
             self.end.take()
+
+    def returned(self, number: int) -> None:
+        """A value was not taken. If its writer still waits, it is offered again."""
+        self._answered = number
+        self._offered = 0
 
 
 class ReceivingEnd:
@@ -138,8 +150,24 @@ class ReceivingEnd:
 
     def withdraw(self, number: int) -> None:
         """The writer waits no longer; nothing happens if its value was taken before."""
-        if self._waits and number == self._number and self._channel.withdraw(self):
-            self._waits = False
+        if number > self._number:
+            self._number = number  # Its offer has not been heard.
+            self._return()
+        elif self._waits and self._channel.withdraw(self):
+            self._return()
+
+    def hand_back(self) -> None:
+        """Returns the value, unless a reader, of several, has taken it."""
+        if self._waits and not self._is_taken_in_part and self._channel.withdraw(self):
+            self._return()
+
+    @property
+    def _is_taken_in_part(self) -> bool:
+        return isinstance(self._channel, Broadcast) and not all(end.fresh for end in self._channel.ends)
+
+    def _return(self) -> None:
+        self._waits = False
+        self._tell(self.place, Item("returned", self._channel.name, self._number))
 
 
 class _Writer(Executed):

@@ -1,8 +1,12 @@
 """Links to the other places: every message arrives once and in order, however often the network loses or delays it.
 
-A frame has the number of its message, and acknowledges all messages of the other side up to a number. What is not
-acknowledged is sent again. Places send a frame regularly, also without a message: a place from which nothing comes for
-``PATIENCE`` is lost until something comes again.
+A frame numbers its messages, and acknowledges all messages of the other side up to a number. What is not acknowledged
+is sent again, all of it in one frame. Places send a frame regularly, also without a message, and each says which frame
+of the other side it answers: a place that has answered nothing that was sent within the last ``PATIENCE`` is lost until
+it does again. So both sides see that a link is lost, even if it is in one direction.
+
+A network may keep frames and bring them when it works again. Their messages are then not taken: they are sent again,
+with all that has been said since.
 """
 
 from __future__ import annotations
@@ -10,7 +14,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any, Final, NamedTuple, Protocol
 from uuid import uuid4
 
@@ -20,10 +24,16 @@ from cspdiag.runtime.real_time.jitter import Jitter
 from cspdiag.simulate.hosts.messages import BadMessageError, Codec
 
 PATIENCE: Final = 1.0
-"""Seconds of silence after which a place is lost."""
+"""Seconds without an answer after which a place is lost."""
 _BEAT: Final = 0.1
+_BEAT_OF_LOST: Final = 0.25
+"""Frames that wait in a slow network come before those that follow when it is back."""
 _AGAIN: Final = 0.05
-"""Seconds after which a message is sent again that has not been acknowledged."""
+"""Seconds after which messages are sent again that have not been acknowledged, at least, and two round trips; twice as
+long each further time.
+"""
+_SELDOM: Final = 0.4
+"""The longest such time: a network that is slow must not get more to do than it can."""
 _LOOK: Final = 0.02
 
 
@@ -49,9 +59,9 @@ class Transport(Protocol):
 
 class Frame(NamedTuple):
     """What is sent. ``instance`` is the process that has the place, ``known`` the one that it takes for the receiver;
-    ``program`` says what it runs. ``number`` is that of ``message``, 0 without one. ``stamp`` is its clock in
+    ``program`` says what it runs. ``number`` is that of the first of ``messages``. ``stamp`` is its clock in
     nanoseconds; ``echo`` is that of the receiver when it sent the last frame that arrived, and since when it is here.
-    ``message`` is written once, when it is sent first: sending it again needs no type of the program, which may have
+    Each message is written once, when it is sent first: sending it again needs no type of the program, which may have
     ended by then.
     """
 
@@ -63,7 +73,7 @@ class Frame(NamedTuple):
     acknowledged: int
     stamp: int
     echo: tuple[int, int]
-    message: bytes
+    messages: tuple[bytes, ...]
 
 
 class Link:
@@ -75,12 +85,17 @@ class Link:
         self.knows = ""
         """The process that the other place takes for this one."""
         self.heard = 0.0
+        """When the last frame was sent that it is known to have heard, in seconds of this clock."""
         self.sent = 0.0
         self.number = 0
         self.received = 0
         self.waiting: deque[tuple[int, bytes]] = deque()
         self.since = 0.0
         """When the first message that waits for its acknowledgement was last sent."""
+        self.pause = _AGAIN
+        """Seconds after which it is sent again."""
+        self.recent = 0.0
+        """The recent round trips, in seconds: a mean in which each one counts for an eighth."""
         self.echo = (0, 0)
         self.measured = 0
         """The stamp of the last frame whose round trip was measured."""
@@ -89,6 +104,16 @@ class Link:
         """Whether the other place has said that it has ended."""
         self.losses = 0
         self.round_trips = Jitter()
+
+    def passed(self, round_trip: int) -> None:
+        """A frame and its answer have taken that long, in nanoseconds."""
+        self.round_trips.add(round_trip)
+        self.recent += (round_trip / 1e9 - self.recent) / 8
+
+    @property
+    def shortest_pause(self) -> float:
+        """The pause before messages are sent again for the first time."""
+        return min(max(_AGAIN, 2 * self.recent), _SELDOM)
 
 
 class Links:
@@ -146,8 +171,9 @@ class Links:
             link.number += 1
             link.waiting.append((link.number, written))
             if len(link.waiting) == 1:
-                link.since = time.monotonic()
-            self._transmit(link, link.number, written)
+                link.since, link.pause = time.monotonic(), link.shortest_pause
+            if not link.lost:
+                self._transmit(link, [(link.number, written)])
 
     def broadcast(self, message: Any) -> None:
         """Sends a message to all other places."""
@@ -174,14 +200,22 @@ class Links:
             self._thread.join()
         self._transport.close()
 
-    def _transmit(self, link: Link, number: int = 0, message: bytes = b"") -> None:
+    def _transmit(self, link: Link, numbered: Collection[tuple[int, bytes]] = ()) -> None:
         now = time.monotonic_ns()
         link.sent = now / 1e9
         received, since = link.echo
         echo = (received, now - since)
-        acknowledged = link.received
+        numbers, messages = zip(*numbered, strict=True) if numbered else ((0,), ())
         frame = Frame(
-            self.place, self._instance, link.instance, self._program, number, acknowledged, now, echo, message
+            place=self.place,
+            instance=self._instance,
+            known=link.instance,
+            program=self._program,
+            number=numbers[0],
+            acknowledged=link.received,
+            stamp=now,
+            echo=echo,
+            messages=messages,
         )
         self._transport.send(link.place, self._codec.written(tuple(frame)))
 
@@ -201,18 +235,21 @@ class Links:
             link.lost = True
             link.losses += 1
             self._changed.notify_all()
-        if link.waiting and now - link.since > _AGAIN:
-            link.since = now
-            for number, message in list(link.waiting)[: 1 if link.lost else None]:
-                self._transmit(link, number, message)
-        elif now - link.sent > _BEAT:
+        if link.waiting and not link.lost and now - link.since > link.pause:
+            self._repeat(link, now)
+        elif now - link.sent > (_BEAT_OF_LOST if link.lost else _BEAT):
             self._transmit(link)
+
+    def _repeat(self, link: Link, now: float) -> None:
+        """Sends again what waits."""
+        link.since, link.pause = now, min(2 * link.pause, _SELDOM)
+        self._transmit(link, link.waiting)
 
     def _arrived(self, data: bytes) -> None:
         now = time.monotonic_ns()
         try:
             frame = Frame(*self._codec.read(data))
-            message = self._codec.read(frame.message) if frame.number else None
+            messages = [self._codec.read(message) for message in frame.messages]
         except (BadMessageError, TypeError):
             return  # It is from something else than a place of the program.
         link = self.by_place.get(frame.place)
@@ -222,7 +259,7 @@ class Links:
             return
         with self._changed:
             if self._is_partner(link, frame):
-                self._take(link, frame, message, now)
+                self._take(link, frame, messages, now)
             self._changed.notify_all()
         self.news()
 
@@ -239,27 +276,39 @@ class Links:
         if link.instance and frame.instance != link.instance:
             self._transmit(link)  # Which reports to it that another process has its place.
             return False
-        link.instance = frame.instance
+        if not link.instance:
+            link.instance, link.echo = frame.instance, (0, 0)
         return True
 
-    def _take(self, link: Link, frame: Frame, message: Any, now: int) -> None:
+    def _take(self, link: Link, frame: Frame, messages: list[Any], now: int) -> None:
         if frame.known:
             link.knows = frame.known
-        link.heard = now / 1e9
-        link.lost = False
-        sent, held = frame.echo
-        if sent and frame.known == self._instance and sent != link.measured:
-            link.measured = sent
-            link.round_trips.add(max(0, now - sent - held))
-        link.echo = (frame.stamp, now)
-        while link.waiting and link.waiting[0][0] <= frame.acknowledged:
-            link.waiting.popleft()
-            link.since = now / 1e9
-        if frame.number:
-            if frame.number == link.received + 1:
-                link.received = frame.number
-                self.inbox.append((link.place, message))
+        answered, held = frame.echo if frame.known == self._instance else (0, 0)
+        if answered and answered != link.measured:
+            link.measured = answered
+            link.passed(max(0, now - answered - held))
+        if frame.stamp > link.echo[0]:
+            link.echo = (frame.stamp, now)
+        sent = answered or now
+        link.heard = max(link.heard, sent / 1e9)
+        is_late = now - sent > PATIENCE * 1e9
+        self._acknowledged(link, frame.acknowledged, now / 1e9)
+        if link.lost and not is_late:
+            link.lost = False
+            if link.waiting:
+                self._repeat(link, now / 1e9)
+        if messages and not is_late:
+            if frame.number <= link.received + 1:
+                new = messages[link.received + 1 - frame.number :]
+                link.received += len(new)
+                self.inbox.extend([(link.place, message) for message in new])  # At once, as they belong together.
             self._transmit(link)
+
+    def _acknowledged(self, link: Link, number: int, now: float) -> None:
+        """All messages up to a number have arrived."""
+        while link.waiting and link.waiting[0][0] <= number:
+            link.waiting.popleft()
+            link.since, link.pause = now, link.shortest_pause
 
     def _fail(self, why: str) -> None:
         if self.problem is None:

@@ -31,8 +31,9 @@ from cspdiag.runtime.outcome import Outcome
 from cspdiag.runtime.outside.drivers import Signal
 from cspdiag.runtime.outside.external import EventOutput, Port, SampledOutput
 from cspdiag.runtime.outside.instants import Environment
+from cspdiag.simulate.hosts.crossings import Crossings, without_withdrawn
 from cspdiag.simulate.hosts.division import Division
-from cspdiag.simulate.hosts.ends import Item, ReceivingEnd, SendingEnd
+from cspdiag.simulate.hosts.ends import Item
 from cspdiag.simulate.hosts.links import PATIENCE, Links
 from cspdiag.simulate.hosts.lost import raise_in_waiting
 from cspdiag.simulate.hosts.processes import Elsewhere, Here, replace_instances
@@ -111,9 +112,7 @@ class DividedRun(NetworkRun):
         self._division = network.division
         self._links = network.links
         self._outgoing: defaultdict[str, list[tuple[Any, ...]]] = defaultdict(list)
-        self._sending: dict[tuple[str, str], SendingEnd] = {}
-        self._receiving: dict[str, ReceivingEnd] = {}
-        self._connect()
+        self._crossings = Crossings(self._division, network.channels, scheduler, self._tell)
         outputs = [port for port in network.ports if isinstance(port, SampledOutput | EventOutput)]
         self._signals = {port.name: port.driver for port in outputs if type(port.driver) is Signal}
         own = [(name, signal) for name, signal in self._signals.items() if name in self._division.own_ports]
@@ -130,26 +129,6 @@ class DividedRun(NetworkRun):
         own = self._network.division.own_ports
         return tuple(port for port in self._network.ports if port.name in own)
 
-    def _connect(self) -> None:
-        here = self._division.place
-        for crossing in self._division.crossings:
-            channel = self._network.channels[crossing.path]
-            if here == crossing.writer:
-                self._keep_own_ends(channel)
-                for reader in crossing.readers:
-                    end = channel.reader() if isinstance(channel, Broadcast) else channel
-                    assert isinstance(end, Channel | BroadcastEnd)
-                    self._sending[reader, crossing.path] = SendingEnd(end, reader, self._tell)
-            elif here in crossing.readers:
-                self._keep_own_ends(channel)
-                self._receiving[crossing.path] = ReceivingEnd(channel, crossing.writer, self._scheduler, self._tell)
-
-    def _keep_own_ends(self, channel: Channel[Any] | Broadcast[Any]) -> None:
-        """The readers elsewhere get the values of a broadcast in their own place."""
-        if isinstance(channel, Broadcast):
-            here = self._division.place
-            channel.ends = [end for end in channel.ends if self._division.place_of_path(end.owner) == here]
-
     # What is sent and received
 
     def _tell(self, place: str, item: Item) -> None:
@@ -157,8 +136,7 @@ class DividedRun(NetworkRun):
 
     def _collect(self) -> bool:
         """Gathers what has happened here for the others; returns whether it can have an effect in this instant."""
-        for end in self._sending.values():
-            end.step()
+        self._crossings.step()
         for path, error in self._network.ended:
             for other in self._division.others:
                 self._outgoing[other].append(_ending(path, error))
@@ -176,20 +154,13 @@ class DividedRun(NetworkRun):
     def _hear(self, place: str, items: Iterable[tuple[Any, ...]]) -> None:
         for what, *rest in items:
             match what:
-                case "offer":
-                    channel, number, value, writer = rest
-                    self._receiving[channel].offer(number, value, writer)
-                case "withdraw":
-                    self._receiving[rest[0]].withdraw(rest[1])
-                case "taken":
-                    self._sending[place, rest[0]].taken(rest[1])
                 case "signal":
                     self._signals[rest[0]].value = rest[1]
                 case "ended":
                     path, error = rest
                     self._network.elsewhere[path].end(None if error is None else _error(*error))
-                case _:
-                    raise AssertionError(what)
+                case _:  # It is about a channel.
+                    self._crossings.hear(place, what, *rest)
 
     def _receive(self) -> list[tuple[str, tuple[Any, ...]]]:
         """What has arrived since the last time, without what is about the places themselves."""
@@ -235,7 +206,7 @@ class DividedRun(NetworkRun):
         observe = self._scheduler.observe
         if observe is None:
             return
-        crossings = {crossing.path for crossing in self._division.crossings}
+        crossings = self._crossings.paths
 
         def observe_here(channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
             if reader is not None or channel not in crossings:  # The place of the reader shows the communication.
@@ -357,11 +328,15 @@ class DividedRun(NetworkRun):
 
     def _take_over(self, instant: int | None) -> None:
         super()._take_over(instant)
+        arrived = defaultdict[str, list[tuple[Any, ...]]](list)
         for place, (_, items) in self._receive():
-            self._hear(place, items)
+            arrived[place] += items
+        for place, items in arrived.items():
+            self._hear(place, without_withdrawn(items))
         if self._links.lost and time.monotonic() >= self._raise_again:
             self._raise_again = time.monotonic() + _RAISE_AGAIN
             for link in self._links.lost:
+                self._crossings.hand_back(link.place)
                 self._raise_timeouts(link.place)
 
     def _raise_timeouts(self, place: str) -> None:
@@ -372,9 +347,7 @@ class DividedRun(NetworkRun):
                 if part.place == place:
                     part.end(error)
             return
-        channels = {path for path, end in self._receiving.items() if end.place == place}
-        channels |= {path for (other, path), end in self._sending.items() if other == place and end.waits}
-        raise_in_waiting(self._root, frozenset(channels), error)
+        raise_in_waiting(self._root, self._crossings.waiting_for(place), error)
 
     def _can_continue(self) -> bool:
         if self._doom is not None:

@@ -20,15 +20,21 @@ from cspdiag.simulate.run.execute import chosen_environment, simulate
 
 
 class Air:
-    """Brings bytes between transports; loses a part of them, and delays the others by up to ``delay`` seconds."""
+    """Brings bytes between transports; loses a part of them, and delays the others by up to ``delay`` seconds. What is
+    sent while it is cut is lost or, if it ``keeps`` frames, brought in order when it works again.
+    """
 
     def __init__(self, *, loss: float = 0.0, delay: float = 0.0) -> None:
         self.loss = loss
         self.delay = delay
         self.is_cut = False
+        self.cut_to: set[str] = set()
+        """Places that nothing reaches, while what they send arrives."""
+        self.keeps = False
         self.count = 0
         """The number of frames that were sent."""
         self._random = random.Random(1)
+        self._kept: list[tuple[str, bytes]] = []
         self._receivers: dict[str, list[Callable[[bytes], None]]] = {}
 
     def transport(self) -> Transport:
@@ -48,7 +54,11 @@ class Air:
     def send(self, place: str, data: bytes) -> None:
         """Bring the bytes to all who hear the place, perhaps."""
         self.count += 1
-        if self.is_cut or self._random.random() < self.loss:
+        if self.is_cut or place in self.cut_to:
+            if self.keeps:
+                self._kept.append((place, data))
+            return
+        if self._random.random() < self.loss:
             return
         delay = self._random.random() * self.delay
         for arrived in list(self._receivers.get(place, [])):
@@ -56,6 +66,16 @@ class Air:
             timer = threading.Timer(delay, arrived, [data])
             timer.daemon = True
             timer.start()
+
+    def restore(self) -> None:
+        """Bring what was kept, and then what is sent from now on."""
+        kept, self._kept = self._kept, []
+        for place, data in kept:
+            for arrived in list(self._receivers.get(place, [])):
+                arrived(data)
+            time.sleep(0.001)  # So that the program runs in between.
+        self.is_cut = False
+        self.cut_to.clear()
 
 
 class _AirTransport:
