@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from cspdiag.fmu.description import FmuDescription, FmuError, FmuVariable, read_description
+from cspdiag.fmu.ends import present, watch_ends
 from cspdiag.fmu.extracted import binary, extracted
 
 Value = float | int | bool
@@ -48,6 +49,8 @@ class Library:
             "instanceName": self.description.name,
         }
         folder_of_process = os.getcwd()
+        watch_ends()
+        present.path, present.doing = self.path, "before the run"
         try:
             fmu = class_(**facts)
             # With messages: there are FMUs that say only then why they fail.
@@ -63,6 +66,8 @@ class Library:
                 "its binary is damaged, or needs a library that is not here: export it again, or compile its sources, "
                 "if it has some: fmpy compile",
             ) from None
+        finally:
+            present.path = ""
         return fmu
 
     def _hear(self, status: int, category: bytes | None, text: bytes | None) -> None:
@@ -76,11 +81,14 @@ class Library:
     def _call(self, doing: str, function: Callable[..., Any], *arguments: Any) -> Any:
         from fmpy.fmi1 import FMICallException
 
+        present.path, present.doing = self.path, doing
         try:
             result = function(*arguments)
         except FMICallException as problem:
             text = f"{self.path} returned {_STATUS.get(problem.status, problem.status)} in {problem.function}, {doing}"
             raise FmuError(self._with_message(text), "") from None
+        finally:
+            present.path = ""
         self._message = ""
         return result
 

@@ -17,6 +17,7 @@ from cspdiag.codegen.c.package.sweep import generate
 from cspdiag.model.types import RealType, StructType, TimeType
 from cspdiag.network.ir.external import external_bodies
 from cspdiag.runtime.kernel.exceptions import described
+from cspdiag.simulate.fmu.loadable import require_loadable
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.run import POSIX_SOURCES, failure_of
 from cspdiag.simulate.native.values import encoded, letter_of, offset_of, type_at
@@ -67,6 +68,8 @@ def native_source(network: CoreNetwork, environment: Environment | None, reader:
     files = generate(network, modules, environment)
     files = {**files, PARTS: support_files()[PARTS.rpartition("/")[2]]}
     assert NAMES in files
+    if environment is not None:
+        require_loadable(environment)
     sources = tuple(path for path in files if path.endswith(".c") and _is_linked(path.rpartition("/")[2]))
     # What is written by hand, or by others, may keep something from one run to the next.
     others = any(external_bodies(network.classes, network.environments))

@@ -13,6 +13,9 @@ that made the run died, twice.
 
 ENDINGS: Final[tuple[Ended, ...]] = ("terminated", "failed", "deadlock", "time limit", "refused", "crashed")
 
+FAILED: Final[frozenset[Ended]] = frozenset({"failed", "refused", "crashed"})
+"""The ends of runs that have not done what they were made for."""
+
 
 @record
 class Result:

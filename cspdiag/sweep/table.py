@@ -12,7 +12,7 @@ from cspdiag.model.wording import counted
 from cspdiag.sweep.axes import Cell, Grid
 from cspdiag.sweep.columns import cells_of, columns_of, csv_lines, units_of
 from cspdiag.sweep.measures import Measures
-from cspdiag.sweep.result import Result
+from cspdiag.sweep.result import FAILED, Result
 
 if TYPE_CHECKING:
     import pandas
@@ -45,6 +45,13 @@ class Sweep:
         for result in self._results:
             counts[result.ended] = counts.get(result.ended, 0) + 1
         return ", ".join(f"{count} {ended}" for ended, count in counts.items()) or "no runs"
+
+    @property
+    def failure(self) -> str | None:
+        """If no run has a result, because all have failed, crashed or were refused: the reason of the first one."""
+        if not self._results or any(result.ended not in FAILED for result in self._results):
+            return None
+        return self._results[0].error
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -69,7 +69,7 @@ def _count(text: str) -> int:
 
 
 def run(arguments: Namespace) -> int:
-    """Plan, run, tabulate; exit code 0 if every run has a row, however it ended."""
+    """Plan, run, tabulate; exit code 0 if every run has a row, and at least one has not failed."""
     from cspdiag.sweep.plan import InvalidProgramError
 
     _check_outputs(arguments)
@@ -91,6 +91,9 @@ def run(arguments: Namespace) -> int:
         from cspdiag.sweep.table import text_lines
 
         write_out("".join(f"{line}\n" for line in text_lines(sweep)))
+    if sweep.failure is not None:
+        say(f"cspdiag: no run has succeeded, the first one for this reason: {sweep.failure}")
+        return UNSUCCESSFUL
     return FINE
 
 

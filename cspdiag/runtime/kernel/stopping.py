@@ -61,6 +61,8 @@ class Stopping:
         """The first signal that has arrived; 0: none has."""
         self.call: object = None
         """The driver's call that the main thread is in: calls of drivers are not interrupted."""
+        self.lost: Exception | None = None
+        """Why the main thread will not return from the code in another language that it is in."""
         self.say: Callable[[str], object] | None = None
         """Prints a message; set by a command, which consists of the run and ends with it."""
         self._runs: list[tuple[int, Callable[[], None]]] = []
@@ -299,11 +301,16 @@ class Stopping:
         if self.signal and self._raises and self.call is None:
             self._raise()
 
+    def lose(self, why: Exception) -> bool:
+        """Note that the main thread will not return; whether there is another one that then ends the process."""
+        self.lost = why
+        return self.is_entered
+
     def end_by_force(self, hanging: Exception, errors: Sequence[Exception]) -> None:
         """Ends the process if the main thread hangs; called by another one, which has released the outputs.
 
-        A command ends at once, and so does a process that a signal should have ended; other processes end when a signal
-        arrives. If a driver hangs, an output may not be safe.
+        A command ends at once, and so does a process that a signal should have ended, or whose main thread is lost;
+        other processes end when a signal arrives. If a driver hangs, an output may not be safe.
         """
         lines = [f"stopped by {name_of_signal(self.signal)}"] if self.signal else []
         lines += [described(error) for error in (hanging, *errors)]
@@ -311,7 +318,7 @@ class Stopping:
         writing = threading.Thread(target=self._write_out, args=(lines,), daemon=True)
         writing.start()
         writing.join(_AGAIN)
-        if self.say is not None or self.signal:
+        if self.say is not None or self.signal or self.lost:
             is_fine = self.signal and isinstance(hanging, HangError) and not errors
             os._exit(exit_code_of(self.signal) if is_fine else 1)
         self._over = float("-inf")

@@ -115,7 +115,9 @@ class Watch:
             self._look()
             stopping.look()
             present = self._call
-            hanging = self._hanging_call(present) if present is not None else self._hanging_step()
+            hanging = stopping.lost
+            if hanging is None:
+                hanging = self._hanging_call(present) if present is not None else self._hanging_step()
             if hanging is None and stopping.waited > 2 * PATIENCE and not self.releasing:
                 hanging = self._outlives_signal(present)
             if hanging is not None:

@@ -22,6 +22,7 @@ from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.pipeline import Reader, generate
 from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.deadlock.report import deadlock_report
+from cspdiag.simulate.fmu.loadable import require_loadable
 from cspdiag.simulate.native.boards import Board
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.monitor import ProgramMonitor
@@ -29,7 +30,7 @@ from cspdiag.simulate.native.recorded_inputs import VARIABLE, with_recorded_inpu
 from cspdiag.simulate.native.recorded_rows import RecordedRows
 from cspdiag.simulate.native.rows import PassedRows
 from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader
-from cspdiag.simulate.native.supervisor import Supervisor
+from cspdiag.simulate.native.supervisor import Supervisor, how_it_ended
 from cspdiag.simulate.native.tuning import GivenChanges, LiveChanges, given_changes
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
@@ -142,6 +143,8 @@ def build_program(
         files = {**generate(network, read, "c", level, observed=not fused), **shared, **(replaced or {})}
         if inputs is not None and chosen is not None:
             files = with_recorded_inputs(files, chosen.name, inputs)
+        if chosen is not None:
+            require_loadable(chosen)
         path = Build(
             files,
             _chosen_sources(files, real_time, board),
@@ -324,16 +327,6 @@ def _run(
         outcome.wall_time = monitor.wall_time
     outcome.real_time = program.real_time
     return outcome
-
-
-def how_it_ended(code: int) -> str:
-    """What the exit code of a process says, in words: a signal, also one after which it has still released outputs."""
-    number = -code if code < 0 else code - 128
-    if number not in signal.valid_signals():
-        return f"exit code {code} before the end of the run, as if a body in C had called exit"
-    name = signal.Signals(number).name
-    crashes = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGABRT)
-    return f"it was ended by {name}{', a crash such as that of a body in C' if number in crashes else ''}"
 
 
 def _enlarge(pipe: BufferedIOBase) -> None:

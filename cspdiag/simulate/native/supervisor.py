@@ -64,3 +64,13 @@ class Supervisor:
                 self.killed = True
                 self._program.kill()
                 return
+
+
+def how_it_ended(code: int) -> str:
+    """What the exit code of a process says, in words: a signal, also one after which it has still released outputs."""
+    number = -code if code < 0 else code - 128
+    if number not in signal.valid_signals():
+        return f"exit code {code} before the end of the run, as if a body in C or an FMU had called exit"
+    name = signal.Signals(number).name
+    crashes = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGABRT)
+    return f"it was ended by {name}{', a crash such as that of a body in C or an FMU' if number in crashes else ''}"

@@ -83,6 +83,10 @@ def built(
     """
     if chosen is not None:
         _refuse_devices_in_c(chosen)
+        if any(call.external.language == "fmu" for call in external_calls(chosen)):
+            from cspdiag.fmu.ends import present
+
+            present.lose = stopping.lose
     try:
         with stopping.raising():
             plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None

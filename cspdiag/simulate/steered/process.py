@@ -18,8 +18,9 @@ from cspdiag.runtime.kernel.exceptions import OutsideError
 from cspdiag.runtime.kernel.signals import exit_code_of
 from cspdiag.runtime.outcome import Outcome
 from cspdiag.simulate.native.monitor import ProgramMonitor
-from cspdiag.simulate.native.run import NativeProgram, how_it_ended, reported_outcome, started, variables_of
+from cspdiag.simulate.native.run import NativeProgram, reported_outcome, started, variables_of
 from cspdiag.simulate.native.stream import HeldRecord, StreamReader
+from cspdiag.simulate.native.supervisor import how_it_ended
 from cspdiag.simulate.native.tuning import given_changes
 from cspdiag.simulate.steered.orders import Orders
 from cspdiag.simulate.steered.recorder import SteeredRecorder

@@ -143,7 +143,7 @@ bool csp_fmu_load(csp_fmu *self)
     const csp_fmu_facts *const facts = self->facts;
     library->handle = dlopen(facts->library, RTLD_NOW | RTLD_LOCAL);
     if (library->handle == NULL) {
-        return csp_fmu_fail(self, "cannot be loaded: its binary is damaged, or needs a library that is not here (fmpy compile makes another): %s", dlerror());
+        return csp_fmu_fail(self, "cannot be loaded: its binary is damaged, or needs what is not here: %s", dlerror());
     }
     library->getters = room(facts->output_count, sizeof *library->getters);
     library->setters = room(facts->input_count, sizeof *library->setters);

@@ -81,15 +81,27 @@ def _header(item: ExternalCall, name: str, types: CTypes) -> str:
     return "\n".join(rows)
 
 
-def _source(item: ExternalCall, name: str, types: CTypes) -> str:
-    path, interface = file_of_fmu(item.external), item.external.target.partition(":")[2]
+def library_of(item: ExternalCall) -> str:
+    """The path of the binary of an FMU, which is unpacked into the cache. Raises FmuError."""
+    path = file_of_fmu(item.external)
     description = read_description(path)
-    is_model_exchange = (interface or ("" if description.co_simulation else "ModelExchange")) == "ModelExchange"
-    identifier = description.model_exchange if is_model_exchange else description.co_simulation
+    identifier = description.model_exchange if _is_model_exchange(item, description) else description.co_simulation
     if identifier is None:
+        interface = item.external.target.partition(":")[2]
         raise FmuError(f"{path} is not made for {interface or 'simulation'}", "export it for co-simulation")
     library = binary(path, description, identifier)
-    folder = extracted(path)
+    return os.path.join(extracted(path), library)
+
+
+def _is_model_exchange(item: ExternalCall, description: FmuDescription) -> bool:
+    interface = item.external.target.partition(":")[2]
+    return (interface or ("" if description.co_simulation else "ModelExchange")) == "ModelExchange"
+
+
+def _source(item: ExternalCall, name: str, types: CTypes) -> str:
+    path = file_of_fmu(item.external)
+    description = read_description(path)
+    library, folder = library_of(item), extracted(path)
     is_new = description.version == "3.0"
     resources = os.path.join(folder, "resources")
     place = resources + os.sep if is_new else pathlib.Path(resources).as_uri()
@@ -102,12 +114,12 @@ def _source(item: ExternalCall, name: str, types: CTypes) -> str:
         rows += _table(word, ports, name, description, types)
     facts = {
         "name": quoted(path),
-        "library": quoted(os.path.join(folder, library)),
+        "library": quoted(library),
         "resources": quoted(place),
         "instance": quoted(description.name),
         "token": quoted(description.token),
         "is_new": str(is_new).lower(),
-        "is_model_exchange": str(is_model_exchange).lower(),
+        "is_model_exchange": str(_is_model_exchange(item, description)).lower(),
         "states": f"{description.states}U",
         "indicators": f"{description.indicators}U",
         "step": f"INT64_C({item.external.step or 0})",

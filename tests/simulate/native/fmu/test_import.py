@@ -6,7 +6,7 @@ import csv
 import math
 import os
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -327,79 +327,3 @@ def test_an_error_at_a_step_ends_the_run_with_its_text_and_safe_values(
         assert "ended unsuccessfully at 18 ms" in shown.out + shown.err
         assert "desk.fmu returned an error in fmi2DoStep" in shown.out + shown.err
         assert "Fault: division by zero, in Desk (desk.csp:" in shown.out + shown.err
-
-
-PYTHON = """\
-from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
-
-
-class Heater(Fmi2Slave):
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        self.power = 0.0
-        self.temperature = 20.0
-        self.register_variable(Real("power", causality=Fmi2Causality.input))
-        self.register_variable(Real("temperature", causality=Fmi2Causality.output))
-
-    def do_step(self, current_time, step_size):
-        self.temperature += step_size * (self.power - 0.1 * (self.temperature - 20.0))
-        return True
-"""
-
-HEATED = """\
-process Thermostat {
-  in  temperature : double @ 100 ms
-  out power       : double @ 100 ms
-
-  communication {
-    var t : double = 0
-  }
-
-  composition {
-    mu (temperature ? t ; power ! if t < 21 then 2 else 0)
-  }
-}
-
-submodel Room fmu "Heater.fmu" {}
-
-environment House for Thermostat {
-  room : Room
-
-  power            -> room.power
-  room.temperature -> temperature
-}
-"""
-
-
-def heater(count: int) -> Iterator[float]:
-    """What the program and the FMU do, step by step: the output of a tick reaches the heater at the next one."""
-    temperature, power, written = 20.0, 0.0, 0.0
-    for _ in range(count):
-        temperature += 0.1 * (power - 0.1 * (temperature - 20.0))
-        power, written = written, 2.0 if temperature < 21 else 0.0
-        yield temperature
-
-
-def test_an_fmu_made_by_pythonfmu(tmp_path: Path) -> None:
-    builder = pytest.importorskip("pythonfmu.builder")
-    (tmp_path / "heater.py").write_text(PYTHON)
-    builder.FmuBuilder.build_FMU(str(tmp_path / "heater.py"), dest=str(tmp_path))
-    (tmp_path / "house.csp").write_text(HEATED)
-    for options in (["-O0"], ["-O1"]):
-        place = tmp_path / "run.csv"
-        assert main(["run", str(tmp_path / "house.csp"), "--for", "5 s", "--record", str(place), *options]) == 0
-        rows = list(csv.DictReader(place.read_text().splitlines()))
-        found = [float(row["temperature"]) for row in rows]
-        assert found == pytest.approx(list(heater(len(found))), abs=1e-12)
-
-
-def test_an_exception_in_an_fmu_made_by_pythonfmu_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    builder = pytest.importorskip("pythonfmu.builder")
-    burnt = PYTHON.replace("        return True", "        raise ValueError('it is burnt')")
-    (tmp_path / "burnt.py").write_text(burnt.replace("Heater", "Burnt"))  # A module of another name in this process.
-    builder.FmuBuilder.build_FMU(str(tmp_path / "burnt.py"), dest=str(tmp_path))
-    (tmp_path / "house.csp").write_text(HEATED.replace("Heater", "Burnt"))
-    assert main(["run", str(tmp_path / "house.csp"), "--for", "5 s"]) == 1
-    shown = "".join(capsys.readouterr())
-    assert "Burnt.fmu returned a fatal error in fmi2DoStep, in the step from 0 s to 0.1 s: " in shown
-    assert "ValueError('it is burnt')" in shown
