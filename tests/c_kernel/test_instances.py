@@ -95,7 +95,7 @@ def test_a_run_in_steps(machine: Path) -> None:
         "overwritten 0 1, wakes 2",
         f"state {ENDED}: ended by itself; driven 6, last -1, released 2, afterwards 0",
         f"lamp 0, alive 1, again {ENDED}, next 1",
-        f"after finish {REFUSED}, released 2",
+        f"after finish {ENDED}, released 2",
         "begun: running, in the end: finished",
     ]
 
@@ -104,7 +104,7 @@ def test_a_reset_and_a_release_hand_over_safe_values(machine: Path) -> None:
     assert run(machine, "reset").splitlines() == [
         "released by the reset 2",
         f"state {STOPPED}: stopped; driven 2, last -1, released 2, afterwards 0",
-        f"state {MORE}: running; driven 4, last -1, released 2, afterwards 0",
+        f"state {STOPPED}: stopped; driven 4, last -1, released 2, afterwards 0",
     ]
 
 
@@ -122,10 +122,12 @@ def test_the_work_after_lateness_does_not_grow_with_it(machine: Path) -> None:
 
 
 def test_a_driver_without_samples_and_with_a_nan(machine: Path) -> None:
-    silent, nan = run(machine, "bad").splitlines()
+    silent, nan, short, finished = run(machine, "bad").splitlines()
     assert silent == f"state {MORE}: running; driven 2, last 2, released 0, afterwards 0"
     fault = "Fault: nan is written to Machine.drive, in Machine (machine.csp:14)"
     assert nan == f"state {FAILED}: {fault}; driven 2, last -1, released 2, afterwards 0"
+    assert short == ",,F,Fa,Fau,Faul,Fault,Fault:,Fault: ,Fault: n"
+    assert finished == f"after finish {FAILED}"
 
 
 def test_a_restored_run_continues_as_the_saved_one(machine: Path) -> None:

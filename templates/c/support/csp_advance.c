@@ -216,7 +216,7 @@ static csp_ending advance(csp_kernel *csp, int64_t until, uint32_t steps)
 {
     uint32_t left = steps;
     if (!runs(csp)) {
-        return (csp->phase == (uint8_t)CSP_RUNNING) ? (csp_ending)csp->ending : CSP_NOT_INITIALIZED;
+        return (csp->ending != (uint8_t)CSP_MORE) ? (csp_ending)csp->ending : CSP_NOT_INITIALIZED;
     }
     if ((until < csp->reached) || (until > CSP_END_OF_TIME)) {
         return CSP_REFUSED;

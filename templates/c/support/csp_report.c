@@ -159,8 +159,9 @@ void csp_describe_error(csp_kernel *csp, char *text, size_t size)
     csp_append(text, size, csp_exception_name(csp));
     const size_t named = strlen(text);
     csp_append(text, size, ": ");
-    csp_describe_message(csp, &text[strlen(text)], size - strlen(text));
-    if (text[named + 2U] == '\0') {
+    const size_t introduced = strlen(text);
+    csp_describe_message(csp, &text[introduced], size - introduced);
+    if (((introduced + 1U) < size) && (text[introduced] == '\0')) {
         text[named] = '\0';
     }
     if (csp->error.process != NULL) {

@@ -200,6 +200,15 @@ static void sample_badly(void)
     devices.level = NAN;
     state = machine_advance(self, 30 * MS, 1000U);
     show(self, state, &devices);
+    for (size_t size = 0U; size < 10U; size++) {
+        char *const text = malloc((size > 0U) ? size : 1U); /* as large as is said, which a sanitizer watches */
+        text[0] = '\0';
+        machine_describe(self, text, size);
+        (void)printf("%s%s", text, (size < 9U) ? "," : "\n");
+        free(text);
+    }
+    machine_finish(self);
+    (void)printf("after finish %d\n", (int)machine_advance(self, 40 * MS, 1U));
 }
 
 /* Whatever happens between a copy and its return, the run is the same afterwards. */

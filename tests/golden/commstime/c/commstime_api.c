@@ -4,6 +4,7 @@
  */
 #include "commstime_api.h"
 
+#include "csp_shared.h"
 #include "csp_text.h"
 #include "network.h"
 #include "network_pointers.h"
@@ -202,6 +203,7 @@ void commstime_finish(commstime_instance *self)
 void commstime_release(commstime_instance *self)
 {
     csp_release_outputs(&self->network.kernel);
+    CSP_STORE(self->network.kernel.stop_requested, true);
 }
 
 void commstime_stop(commstime_instance *self)

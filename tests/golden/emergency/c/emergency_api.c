@@ -4,6 +4,7 @@
  */
 #include "emergency_api.h"
 
+#include "csp_shared.h"
 #include "csp_text.h"
 #include "network.h"
 #include "network_pointers.h"
@@ -289,6 +290,7 @@ void emergency_finish(emergency_instance *self)
 void emergency_release(emergency_instance *self)
 {
     csp_release_outputs(&self->network.kernel);
+    CSP_STORE(self->network.kernel.stop_requested, true);
 }
 
 void emergency_stop(emergency_instance *self)

@@ -4,6 +4,7 @@
  */
 #include "jiwy_api.h"
 
+#include "csp_shared.h"
 #include "csp_text.h"
 #include "network.h"
 #include "network_pointers.h"
@@ -316,7 +317,9 @@ bool jiwy_set(jiwy_instance *self,
 jiwy_refusal jiwy_why_refused(const jiwy_instance *self,
     jiwy_parameter *parameter)
 {
-    *parameter = (jiwy_parameter)self->network.refusal.parameter;
+    if (parameter != NULL) {
+        *parameter = (jiwy_parameter)self->network.refusal.parameter;
+    }
     return (jiwy_refusal)self->network.refusal.cause;
 }
 
@@ -338,6 +341,7 @@ void jiwy_finish(jiwy_instance *self)
 void jiwy_release(jiwy_instance *self)
 {
     csp_release_outputs(&self->network.kernel);
+    CSP_STORE(self->network.kernel.stop_requested, true);
 }
 
 void jiwy_stop(jiwy_instance *self)

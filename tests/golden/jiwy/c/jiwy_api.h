@@ -224,7 +224,7 @@ typedef enum jiwy_refusal {
     JIWY_REFUSAL_NOT_COMPUTED /* this constant could not be computed, or is not finite */
 } jiwy_refusal;
 
-/* Why the last jiwy_set did nothing, and because of which parameter. */
+/* Why the last jiwy_set did nothing, and because of which parameter, unless that is NULL. */
 jiwy_refusal jiwy_why_refused(const jiwy_instance *self,
     jiwy_parameter *parameter);
 
@@ -241,7 +241,8 @@ void jiwy_hand_over(jiwy_instance *self, int64_t instant);
 /* Ends the run, and hands over safe values. */
 void jiwy_finish(jiwy_instance *self);
 
-/* Hands over safe values now, and nothing after them: for fault handlers. */
+/* Hands over safe values now, and nothing after them: for fault handlers. If they return, the next
+ * jiwy_advance ends the run: it answers JIWY_STOPPED. */
 void jiwy_release(jiwy_instance *self);
 
 /* Makes the run end at its next step. May be called from anywhere. */
