@@ -264,10 +264,12 @@ def build(
     settings: Mapping[str, str] | None = None,
     alone: bool = False,
     real: Real = "double",
+    for_code: bool = False,
 ) -> Built:
     """Check a program and lower it, with settings such as ``{"Tsh": "10 ms", "pan.inertia": "2e-3"}``.
 
-    ``alone``: for the chosen environment only, as for a run. ``real`` is what ``double`` means in the program. Raises
+    ``alone``: for the chosen environment only, as for a run. ``real`` is what ``double`` means in the program.
+    ``for_code``: the network is only for ``generate``; that of a program of many elements may then have fewer. Raises
     ``cspdiag.settings.SettingError`` for a setting that matches nothing in a program without errors, and
     ``cspdiag.network.lower.program.SelectionError`` if there is no such process or environment to compile.
     """
@@ -277,9 +279,55 @@ def build(
         process, environments = selection(program, analysis, top, environment, alone=alone)
         return process, *environments
 
-    checked, overrides = check_with(main, read, settings, roots, real)
-    network = compile_network(checked, top=top, environment=environment, overrides=overrides.parameters, alone=alone)
+    def lowered(checked: Checked) -> CoreNetwork | None:
+        return compile_network(checked, top=top, environment=environment, overrides=overrides.parameters, alone=alone)
+
+    checked, overrides = check_with(main, read, settings, roots, real, for_findings=for_code)
+    network = None if checked.fewer is None else _of_fewer_elements(checked, checked.fewer, lowered)
+    if network is None:
+        checked = _of_all_elements(checked)
+        network = lowered(checked)
     return Built(checked=checked, network=network, overrides=overrides)
+
+
+def _of_all_elements(checked: Checked) -> Checked:
+    if checked.fewer is None:
+        return checked
+    assert checked.program is not None
+    return changed(checked, checked.program.overrides)
+
+
+def _of_fewer_elements(
+    checked: Checked, fewer: Fewer, lowered: Callable[[Checked], CoreNetwork | None]
+) -> CoreNetwork | None:
+    """A network with fewer elements from which that of a program follows; None if there is none."""
+    from cspdiag.network.elaborate.fewer.extrapolation import Extrapolation
+    from cspdiag.network.elaborate.fewer.regular import is_regular
+    from cspdiag.network.elaborate.fewer.sizes import three_sizes
+    from cspdiag.network.ir.network import FewerElements
+
+    program, few = checked.program, fewer.checked.program
+    assert program is not None
+    assert few is not None
+    sizes = three_sizes(program)
+    if sizes is None:
+        return None
+    name, numbers = sizes
+    more = changed(checked, {**program.overrides, name: numbers[1]})
+    if more.program is None or more.report.diagnostics:
+        return None
+    if not is_regular(few, more.program, program, fewer.varying, Extrapolation(*numbers)):
+        return None
+    one, other = lowered(fewer.checked), lowered(more)
+    if one is None or other is None or one.external_ports != other.external_ports:
+        return None
+
+    def whole() -> CoreNetwork:
+        made = lowered(_of_all_elements(checked))
+        assert made is not None
+        return made
+
+    return replaced(other, fewer=FewerElements(network=one, sizes=numbers, whole=whole))
 
 
 def check_with(

@@ -17,8 +17,9 @@ def _python(network: CoreNetwork, modules: Mapping[str, str], options: Options) 
     network = without_devices_in_c(network)
     if options.level == 0:
         from cspdiag.codegen.python import package as python
+        from cspdiag.optimize import with_all_elements
 
-        return python.generate(network, modules, templates=options.templates)
+        return python.generate(with_all_elements(network), modules, templates=options.templates)
     from cspdiag.codegen.python.fast import package
 
     return package.generate(network, modules, options)

@@ -5,22 +5,28 @@ Each pass keeps what every process communicates, when, and how it ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import cast
 
-from cspdiag.base.record import node
-from cspdiag.network.ir.network import Network
+from cspdiag.base.record import node, replaced
+from cspdiag.network.elaborate.fewer.extrapolation import Extrapolation, IrregularError
+from cspdiag.network.ir.expressions import Expression, LiteralValue, Typed
+from cspdiag.network.ir.faults import operation_may_fault
+from cspdiag.network.ir.network import CoreNetwork, FewerElements, Network
+from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.bookkeeping import drop_bookkeeping
 from cspdiag.optimize.check.network import require_valid
 from cspdiag.optimize.constants import fold_constants
 from cspdiag.optimize.dead.steps import remove_dead_parts
 from cspdiag.optimize.flatten.processes import flatten
+from cspdiag.optimize.folding import fits, folded
 from cspdiag.optimize.fuse.program import explain_fusion, fuse
 from cspdiag.optimize.inline_laws import inline_laws
 from cspdiag.optimize.specialize import specialize
 from cspdiag.optimize.variables import variables
 from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
-__all__ = ["PASSES", "Pass", "explain_fusion", "lower_for_targets", "optimize", "pass_named"]
+__all__ = ["PASSES", "Pass", "explain_fusion", "lower_for_targets", "optimize", "pass_named", "with_all_elements"]
 
 
 @node
@@ -98,8 +104,13 @@ def optimize(network: Network, passes: Sequence[Pass] = PASSES, *, debug: bool =
     """The network after the passes, in the order given.
 
     With ``debug`` it is verified before the first pass and after each one; raises BrokenNetworkError, which names the
-    pass.
+    pass. A network with fewer elements than its program gets all of them.
     """
+    if network.fewer is not None:
+        try:
+            return _following_from_fewer(network, network.fewer, passes, debug=debug)
+        except IrregularError:
+            network = network.fewer.whole()
     applied: list[str] = []
     if debug:
         require_valid(network)
@@ -109,6 +120,52 @@ def optimize(network: Network, passes: Sequence[Pass] = PASSES, *, debug: bool =
         if debug:
             require_valid(network, applied)
     return network
+
+
+def with_all_elements(network: CoreNetwork) -> CoreNetwork:
+    """The network, not optimized, with as many elements as its program has."""
+    return cast("CoreNetwork", optimize(network, ()))
+
+
+def _following_from_fewer(network: Network, fewer: FewerElements, passes: Sequence[Pass], *, debug: bool) -> Network:
+    """The network of all elements after the passes. Raises IrregularError if that does not follow from fewer.
+
+    Flattening looks at sizes, so where it does anything, nothing follows. To fuse processes is to follow all of them.
+    """
+    few: Network = fewer.network
+    some = replaced(network, fewer=None)
+    _require_same_decisions(few, some, fewer.sizes)
+    for entry in (entry for entry in passes if entry.name != "fuse"):
+        before = some
+        few, some = (optimize(one, (entry,), debug=debug) for one in (few, some))
+        if entry.name == "flatten" and some != before:
+            raise IrregularError
+    _require_same_decisions(few, some, fewer.sizes)
+    whole = Extrapolation(*fewer.sizes).of(few, some)
+    return optimize(whole, [entry for entry in passes if entry.name == "fuse"], debug=debug)
+
+
+def _require_same_decisions(few: Network, some: Network, sizes: tuple[int, int, int]) -> None:
+    """Raises IrregularError if expressions with the numbers of other elements could be folded, or fault, where these
+    cannot, or the other way round.
+    """
+    first, second, all_ = sizes
+    ends = (Extrapolation(first, second, size, only_ends=True).of(few.classes, some.classes) for size in (second, all_))
+    if len({tuple(map(_decided, _expressions(classes))) for classes in ends}) > 1:
+        raise IrregularError
+
+
+def _expressions(classes: object) -> Iterator[Expression]:
+    return (part for part in parts(classes) if isinstance(part, Typed))  # type: ignore[misc]
+
+
+def _decided(expression: Expression) -> tuple[bool, bool, bool]:
+    """What passes may ask of an expression that depends on its numbers."""
+    return (
+        operation_may_fault(expression),
+        folded(expression) == expression,
+        not isinstance(expression, LiteralValue) or fits(expression.value, expression.type),
+    )
 
 
 def lower_for_targets(network: Network) -> Network:

@@ -146,14 +146,14 @@ def _evaluated(expression: Expression) -> Expression:
         case BinaryOperation(operator="^") if isinstance(expression.type, RealType):
             return expression
     value = constant_value(expression, lambda _: None)
-    if value is None or not _fits(value, expression.type):
+    if value is None or not fits(value, expression.type):
         return expression
     if isinstance(expression, FunctionCall) and expression.function in ("floor", "ceil") and value == 0:
         return expression  # The sign of this zero is that of the operand.
     return literal(value, expression.type, expression)
 
 
-def _fits(value: Any, kind: Type) -> bool:
+def fits(value: Any, kind: Type) -> bool:
     """Whether a value belongs to a type and is finite: infinities and NaN have no literal."""
     match kind:
         case BoolType():
@@ -167,9 +167,9 @@ def _fits(value: Any, kind: Type) -> bool:
         case EnumType():
             return type(value) is int
         case StructType():
-            return all(_fits(part, inner) for part, (_, inner) in zip(value, kind.fields, strict=True))
+            return all(fits(part, inner) for part, (_, inner) in zip(value, kind.fields, strict=True))
         case ArrayType():
-            return all(_fits(part, kind.element) for part in value)
+            return all(fits(part, kind.element) for part in value)
         case TextType() | UnknownType():
             return False
         case _:

@@ -21,9 +21,9 @@ PACKAGE = Path(cspdiag.__file__).parent
 CAUGHT_INSIDE = {
     "UndefinedError", "OutOfRangeError", "NoPartError", "EvaluationFault", "NeedsLoad", "Restart", "TransitionError",
     "LimitError", "SolverTimeoutError", "TooLargeError", "NoSuchElementError", "UnboundedError", "AstrayError",
-    "NotStaticError", "NoFormError", "NoElementError", "NoValueError", "UnknownError", "NoResultError", "UsageError",
-    "NoRepositoryError", "RaisedError", "CancelledError", "DeclaredError", "FaultError", "MissedSampleError",
-    "FailureError",
+    "NotStaticError", "NoFormError", "NoElementError", "NoValueError", "UnknownError", "IrregularError",
+    "NoResultError", "UsageError", "NoRepositoryError", "RaisedError", "CancelledError", "DeclaredError",
+    "FaultError", "MissedSampleError", "FailureError",
 }  # fmt: skip
 """What the callers always catch: the command line catches UsageError and NoRepositoryError, LimitError is not an
 ``Exception``, and the interpreter catches the last six.

@@ -173,7 +173,7 @@ def _generate(arguments: Namespace) -> int:
         raise UsageError(f"--fmi {arguments.fmi} needs --target fmu")
     require_folder("-o", arguments.output)
     templates = {} if arguments.templates is None else read_templates(arguments.templates, arguments.target)
-    built = _built(arguments)
+    built = _built(arguments, for_code=arguments.target in ("python", "c"))
     network = built.network
     if network is None:
         return UNSUCCESSFUL
@@ -270,7 +270,7 @@ def _network(arguments: Namespace) -> CoreNetwork | None:
     return _built(arguments).network
 
 
-def _built(arguments: Namespace) -> Built:
+def _built(arguments: Namespace, *, for_code: bool = False) -> Built:
     from cspdiag.network.lower.program import SelectionError
 
     try:
@@ -281,6 +281,7 @@ def _built(arguments: Namespace) -> Built:
             environment=arguments.environment,
             settings=split_settings(arguments.set),
             real=arguments.real,
+            for_code=for_code and not arguments.debug_passes,
         )
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None

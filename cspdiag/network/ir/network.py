@@ -11,11 +11,11 @@ All backends, analyses and pictures are made from this representation alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Generic, Literal, TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.base.record import Slotted, record
+from cspdiag.base.record import Slotted, node, record
 from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import EnumType, StructType, Type
 from cspdiag.network.ir.actions import A_co, ChannelEnd, CoreAction, End
@@ -331,6 +331,20 @@ class Net(Slotted):
     span: Span
 
 
+@node
+class FewerElements:
+    """Says of a network that its arrays have fewer elements than those of the program, and what else is known of it:
+    the network of all elements follows from the two once both are optimized.
+    """
+
+    network: CoreNetwork
+    """The same with even fewer."""
+    sizes: tuple[int, int, int]
+    """The size of the arrays in that one, in this one, and in the program."""
+    whole: Callable[[], CoreNetwork]
+    """Makes the network of all elements from the program."""
+
+
 @record(kw_only=True)
 class Network(Generic[A_co]):
     """A whole program. In ``classes`` each class comes after the classes of its instances."""
@@ -354,6 +368,7 @@ class Network(Generic[A_co]):
     instances: tuple[Instantiation, ...]
     nets: tuple[Net, ...]
     doc: str | None = None
+    fewer: FewerElements | None = None
 
     def class_named(self, name: str) -> ProcessClass[A_co] | SubmodelClass:
         """The class with this name. Raises KeyError if it is unknown."""

@@ -6,11 +6,16 @@ import re
 
 from cspdiag.codegen.shared.plain_text import one_line
 
+_PLAIN = re.compile(r"[ !#-\[\]-~]*")
+"""Printable ASCII without quotation marks and backslashes."""
+
 
 def quoted(text: str) -> str:
     """A string literal with the text in UTF-8 and without trigraphs. Bytes of a file name that are not UTF-8 are kept
     as they are.
     """
+    if _PLAIN.fullmatch(text) and "??" not in text:
+        return f'"{text}"'  # The names of many processes and channels are.
     written = re.sub(r"(?<=\?)\?", r"\?", "".join(map(_character, text)))
     return f'"{written}"'
 

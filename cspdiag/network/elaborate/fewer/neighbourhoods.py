@@ -23,6 +23,9 @@ from cspdiag.syntax import ast
 
 ROUNDS = 3
 
+Columns: TypeAlias = "tuple[tuple[tuple[int, ...], ...], ...]"
+"""For each array of elements, and for each relationship, a row of numbers for each element or repetition."""
+
 Iterations: TypeAlias = "Mapping[ast.Replicator, Sequence[int]]"
 """The index of each replicator around the use of an element, by element; -1 if it is not used inside that replicator.
 """
@@ -91,10 +94,17 @@ class Neighbourhoods:
 
     def of(self, definition: ast.ProcessDefinition) -> list[frozenset[int]]:
         """All colours in a process, of each kind of element. Raises UnknownError."""
+        return self._coloured(definition)[1]
+
+    def columns_of(self, definition: ast.ProcessDefinition) -> Columns:
+        """What the network of a process is made of, row by row. Raises UnknownError."""
+        return self._coloured(definition)[0].columns()
+
+    def _coloured(self, definition: ast.ProcessDefinition) -> tuple[_Process, list[frozenset[int]]]:
         process = _Process(self, definition)
         found = process.coloured()
         self._ports.update((port, elements.colours) for port, elements in process.own.items())
-        return found
+        return process, found
 
     def relationships(self, definition: ast.ProcessDefinition) -> dict[ast.Connection, tuple[int, list[End]]]:
         """The number of repetitions of each relationship of a process, and its ends at instances and at arrays of
@@ -135,6 +145,10 @@ class _Process:
         self.ports: dict[tuple[ast.Instance, ast.PortName], _Elements] = {}
         """Those of the arrays of ports of its instances."""
         self.relationships: dict[ast.Connection, tuple[int, list[End]]] = {}
+        self._counts: list[int] = []
+        """The numbers of repetitions inside replicators, in text order."""
+        self._arguments: list[Column] = []
+        """Those that vary."""
         self._places = 0
         self._read()
 
@@ -162,8 +176,11 @@ class _Process:
         rows = Repetitions(self.program, {item.size: number} if isinstance(item.size, ast.Replicator) else {})
         for _, argument in arguments_of(callee.parameters, item.arguments):
             # Every argument is computed, because one of them may overflow.
-            if self.around.varying.is_in(self.program, (argument,)) and rows.column(argument) is None:
-                raise UnknownError
+            if self.around.varying.is_in(self.program, (argument,)):
+                column = rows.column(argument)
+                if column is None:
+                    raise UnknownError
+                self._arguments.append(column)
 
     def _relate(self, declarations: Iterable[ast.Declaration], around: Repetitions) -> None:
         for item in declarations:
@@ -182,6 +199,7 @@ class _Process:
         if replicator in self.around.varying.symbols and within.counts[replicator] < 2:
             # Two repetitions are related to each other as any two are; a single one is not.
             raise UnknownError
+        self._counts.append(within.number)
         return within
 
     def _connect(self, item: ast.Connection, around: Repetitions) -> None:
@@ -276,6 +294,19 @@ class _Process:
             self._look_along()
         everything = (*self.instances.values(), *self.ports.values(), *self.own.values())
         return [frozenset(chain.from_iterable(rows.values())), *(frozenset(one.colours) for one in everything)]
+
+    def columns(self) -> Columns:
+        """All that decides what each element is in the network, once they are coloured: what is alike, where it runs,
+        what is connected to what, and arguments.
+        """
+        tables: list[list[Iterable[int]]] = [[column] for column in (self._counts, *self._arguments)]
+        for elements in (*self.instances.values(), *self.ports.values(), *self.own.values()):
+            inside = [column for around in elements.iterations for column in around.values()]
+            tables.append([elements.colours, *elements.used, *inside])
+        for number, ends in self.relationships.values():
+            tables.append([range(number), *(end.indexes for end in ends)])
+            tables[-1] += [end.ports[1] for end in ends if end.ports is not None]
+        return tuple([tuple(zip(*table, strict=True)) for table in tables])
 
     def _rows(self, item: ast.Connection) -> list[int]:
         """The colour of each repetition of a relationship."""

@@ -38,6 +38,19 @@ def fewer_elements(program: Program) -> dict[str, int]:
     return {constant.name.text: FEW + value % FEW for constant, value in large.items() if constant in counting}
 
 
+def three_sizes(program: Program) -> tuple[str, tuple[int, int, int]] | None:
+    """The constant that is the only size of many elements, with a small size, one that is larger by as many elements as
+    leave the same remainder, and its own; None if there is no such constant.
+    """
+    found = fewer_elements(program)
+    if len(found) != 1:
+        return None
+    ((name, few),) = found.items()
+    (many,) = (value for constant, value in program.constants.items() if constant.name.text == name)
+    assert isinstance(many, int)
+    return name, (few, few + FEW, many)
+
+
 def _counts(program: Program) -> Iterator[ast.Expression]:
     for definition in program.definitions.values():
         if isinstance(definition, ast.ProcessDefinition):

@@ -1,0 +1,185 @@
+"""Code of many elements that is made from fewer of them is that made element by element."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.base.record import replaced
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.network.ir.network import CoreNetwork
+from tests.support.unrolled import forms
+
+NETWORKS = Path(__file__).parents[3] / "benchmarks" / "networks"
+SIZE = 230
+"""More than are always compiled one by one."""
+
+Way: TypeAlias = Literal["fewer", "all after passes", "all", "none"]
+"""Whether code is made from fewer elements, from all of them, from all of them since passes do not do the same with
+fewer ones, or not at all.
+"""
+
+
+Form: TypeAlias = tuple[str, int]
+"""A target and a level of optimization."""
+
+FORMS: tuple[Form, ...] = (("python", 0), ("python", 1), ("c", 0), ("c", 1))
+
+
+def way(text: str, wanted: Sequence[Form] = FORMS[1:2], settings: Mapping[str, str] | None = None) -> Way:
+    """How code is made; it has to be that made from all elements."""
+    source = SourceFile(name="main.csp", text=text)
+    fewer, all_ = (
+        pipeline.build(source, read_source, settings=settings, for_code=for_code) for for_code in (True, False)
+    )
+    messages = [[found.message for found in built.checked.report.diagnostics] for built in (fewer, all_)]
+    assert messages[0] == messages[1]
+    if fewer.network is None or all_.network is None:
+        assert fewer.network is all_.network
+        return "none"
+    if fewer.network.fewer is None:
+        return "all"
+    needed = [compared(fewer.network, all_.network, *form) for form in wanted]
+    return "all after passes" if any(needed) else "fewer"
+
+
+def compared(network: CoreNetwork, all_: CoreNetwork, target: str, level: int) -> bool:
+    """Whether the network of all elements was needed after all."""
+    needed: list[CoreNetwork] = []
+
+    def whole() -> CoreNetwork:
+        needed.append(all_)
+        return all_
+
+    assert network.fewer is not None
+    network = replaced(network, fewer=replaced(network.fewer, whole=whole))
+    made = pipeline.generate(network, read_source, target, level)
+    assert made == pipeline.generate(all_, read_source, target, level)
+    return bool(needed)
+
+
+def network(name: str, size: int = SIZE) -> str:
+    text = (NETWORKS / f"{name}.csp").read_text(encoding="utf-8")
+    return re.sub(r"const (size|number|seats|joints) = \d+", rf"const \1 = {size}", text)
+
+
+@pytest.mark.parametrize("name", ["ring", "pipeline", "workers", "star", "scheduler"])
+def test_networks_are_compiled_from_fewer_elements(name: str) -> None:
+    assert way(network(name), FORMS) == ("all" if name == "scheduler" else "fewer")
+    assert way(network(name, 30)) == "all"
+
+
+@pytest.mark.parametrize("form", FORMS[1::2])
+def test_many_more_elements_are_compiled_from_fewer_ones(form: Form) -> None:
+    assert way(network("ring", 1200), [form]) == "fewer"
+
+
+@pytest.mark.parametrize("form", FORMS[1::2])
+def test_programs_with_mistakes_anywhere_are_compiled_as_all_elements_are(form: Form) -> None:
+    ways = [way(forms(seed)[0](SIZE), [form]) for seed in range(20)]
+    assert ways.count("fewer") > 3
+    assert ways.count("all") > 1
+
+
+PROGRAM = """
+const size = 230
+const few = 3
+
+process Cell(gain: int = 1) {
+  in  input  : int
+  out output : int
+
+  communication {
+    var value : int = 0
+  }
+
+  composition {
+    mu (input ? value ; output ! value + gain)
+  }
+}
+
+process Server {
+  in  request[size] : int
+  out reply[size]   : int
+
+  communication {
+    var question : int
+  }
+
+  composition {
+    mu (alt i < size : request[i] ? question -> reply[i] ! question % 1000 + i)
+  }
+}
+
+process Ring {
+  communication {
+    cell[i < size] : Cell(gain = i)
+    client[size]   : Cell
+    server         : Server
+    others[few]    : Cell
+
+    for i < size {
+      cell[i].output   -> cell[(i + 1) % size].input
+      client[i].output -> server.request[i]
+      server.reply[i]  -> client[i].input
+    }
+    for i < few {
+      others[i].output -> others[(i + 1) % few].input
+    }
+  }
+
+  composition {
+    (par i < size : (cell[i] || client[i])) || server || (par i < few : others[i])
+  }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("written", "instead"),
+    [
+        ("", ""),
+        ("output ! value + gain", "output ! gain"),
+        ("(gain = i)", "(gain = 3 * i + 7)"),
+        ("(gain = i)", "(gain = size + i)"),
+        ("(gain = i)", "(gain = few)"),
+        ("(i + 1) % size", "(i + size - 1) % size"),
+        ("cell[i].output   -> ", "cell[i].output   -> buffer 2 -> "),
+        ("question % 1000 + i", "question"),
+        ("question % 1000 + i", "size"),
+        ("par i < size : (cell[i] || client[i])", "(par i < size : client[i]) || (par i < size : cell[i])"),
+        ("par i < size : (cell[i] || client[i])", "par i < size : (skip ; (client[i] || cell[i]))"),
+    ],
+)
+def test_what_differs_by_the_index_alone_is_compiled_from_fewer_elements(written: str, instead: str) -> None:
+    assert written in PROGRAM
+    assert way(PROGRAM.replace(written, instead)) == "fewer"
+
+
+@pytest.mark.parametrize(
+    ("written", "instead"),
+    [
+        ("(i + 1) % size", "(i + 100) % size"),
+        ("(gain = i)", "(gain = i / 100)"),
+        ("(gain = i)", "(gain = i % 100)"),
+        ("(gain = i)", "(gain = i * i)"),
+        ("(gain = i)", "(gain = size / 100)"),
+        ("(gain = i)", "(gain = i - 215)"),
+        ("(gain = i)", "(gain = size - 1 - i)"),  # one is zero, as the first is with fewer
+        ("value + gain", "value * gain"),
+        ("value + gain", "value + 2 * gain"),
+        ("question % 1000 + i", "question + i / 100"),
+        ("question % 1000 + i", "question + (i - 100)"),
+        ("question % 1000 + i", "question % size"),
+        ("few = 3", "few = 230"),
+    ],
+)
+def test_what_may_be_irregular_is_compiled_element_by_element(written: str, instead: str) -> None:
+    assert written in PROGRAM
+    assert way(PROGRAM.replace(written, instead)) == "all"
