@@ -27,6 +27,11 @@ class Block:
 class Writer(Protocol):
     """What writes the blocks of a recording to a file; every method raises OSError as the file system does."""
 
+    @property
+    def repeats(self) -> bool:
+        """Whether a ``write`` that has failed has changed nothing, so that a part of it may be written instead."""
+        ...
+
     def write(self, blocks: Sequence[Block]) -> None:
         """Write the values of some time, so that they are there if the process is killed now. No block has values
         before the last ones of earlier calls.
@@ -116,6 +121,21 @@ def in_pieces(blocks: Sequence[Block]) -> Iterator[Sequence[Block]]:
         begins = ends
         if all(begin == len(block.time) for block, begin in zip(blocks, begins, strict=True)):
             return
+
+
+def halved(blocks: Sequence[Block]) -> tuple[Sequence[Block], Sequence[Block]] | None:
+    """Blocks cut in two at a common instant; None if all values are of one instant."""
+    import numpy
+
+    instants = numpy.unique(numpy.concatenate([block.time for block in blocks]))
+    if len(instants) < 2:
+        return None
+    ends = [int(numpy.searchsorted(block.time, instants[len(instants) // 2])) for block in blocks]
+    pairs = list(zip(blocks, ends, strict=True))
+    return (
+        [Block(block.port, block.time[:end], block.value[:end]) for block, end in pairs if end],
+        [Block(block.port, block.time[end:], block.value[end:]) for block, end in pairs if end < len(block.time)],
+    )
 
 
 def in_order(blocks: Sequence[Block]) -> numpy.ndarray:

@@ -34,6 +34,11 @@ class Journal:
         """The name of the journal, for messages."""
         return self._file.part
 
+    @property
+    def repeats(self) -> bool:
+        """See ``Writer.repeats``."""
+        return self._mcap.repeats
+
     def write(self, blocks: Sequence[Block]) -> None:
         """See ``Writer.write``."""
         self._mcap.write(blocks)

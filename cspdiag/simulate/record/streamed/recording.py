@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from cspdiag.base.errors import CspdiagError
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 from cspdiag.simulate.record.leaves import leaf, leaves
-from cspdiag.simulate.record.streamed.blocks import Block, Pending, Writer, array_of, in_pieces
+from cspdiag.simulate.record.streamed.blocks import Block, Pending, Writer, array_of, halved, in_pieces
 
 if TYPE_CHECKING:
     import numpy
@@ -111,10 +111,22 @@ class Recording:
             return
         try:
             for piece in in_pieces(blocks):
-                self._writer.write(piece)
-                self._written = max(int(block.time[-1]) for block in piece)
+                self._write_most(self._writer, piece)
         except OSError as problem:
             self._fail(problem)
+
+    def _write_most(self, writer: Writer, piece: Sequence[Block]) -> None:
+        """Write a piece; if there is no room for it, as much of it as there is room for, and raise OSError."""
+        try:
+            writer.write(piece)
+        except OSError:
+            halves = halved(piece) if writer.repeats else None
+            if halves is None:
+                raise
+            for half in halves:
+                self._write_most(writer, half)
+        else:
+            self._written = max(int(block.time[-1]) for block in piece)
 
     def _fail(self, problem: OSError) -> None:
         if self._writer is not None and self.problem is None:

@@ -16,6 +16,9 @@ from cspdiag.simulate.record.streamed.part_file import PartFile
 class Table:
     """See ``Writer``."""
 
+    repeats = False
+    """What fits is written, row by row."""
+
     def __init__(self, file: PartFile, head: RecordingHead) -> None:
         self._file = file
         self._head = head

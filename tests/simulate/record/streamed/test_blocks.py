@@ -9,7 +9,7 @@ import numpy
 import pytest
 
 from cspdiag.simulate.record.streamed import blocks as module
-from cspdiag.simulate.record.streamed.blocks import Block, in_pieces
+from cspdiag.simulate.record.streamed.blocks import Block, halved, in_pieces
 
 
 @pytest.mark.parametrize("start", range(20))
@@ -27,3 +27,15 @@ def test_pieces_are_cut_at_common_instants_and_are_all_of_it(start: int, monkeyp
         assert numpy.concatenate([part.value for part in own]).tolist() == block.value.tolist()
     spans = [(min(part.time[0] for part in piece), max(part.time[-1] for part in piece)) for piece in pieces]
     assert all(before[1] < after[0] for before, after in pairwise(spans))
+
+
+def test_halves_are_cut_at_a_common_instant() -> None:
+    fast = Block(0, numpy.array([0, 1, 1, 2, 3]), numpy.array([10, 11, 12, 13, 14]))
+    slow = Block(1, numpy.array([0]), numpy.array([20]))
+    halves = halved([fast, slow])
+    assert halves is not None
+    assert [[(part.port, part.time.tolist(), part.value.tolist()) for part in half] for half in halves] == [
+        [(0, [0, 1, 1], [10, 11, 12]), (1, [0], [20])],
+        [(0, [2, 3], [13, 14])],
+    ]
+    assert halved([Block(0, numpy.array([1, 1]), numpy.array([5, 6]))]) is None

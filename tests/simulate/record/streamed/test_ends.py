@@ -189,6 +189,18 @@ def test_a_full_disk_ends_the_recording_and_not_the_run(folder: Path, name: str,
     assert 0 < last / 1000 <= said
 
 
+@pytest.mark.parametrize("name", ["run.mcap", "bag/", "run.npz"])
+def test_a_disk_with_less_room_than_a_block_has_what_fits(folder: Path, name: str) -> None:
+    """A native run passes tens of thousands of values at a time."""
+    process = started(folder, name, "--for", "150s", "--target", "c", limit=300_000)
+    text = process.communicate()[1].decode()
+    part = "bag.part/" if name == "bag/" else "run.part.mcap"
+    last = require_gapless(seen(folder, part))
+    assert last / 1000 == pytest.approx(float(text.partition("up to ")[2].partition(" s")[0]), abs=0.1)
+    written = folder / part / "bag_0.mcap" if name == "bag/" else folder / part
+    assert written.stat().st_size > 250_000
+
+
 def test_a_full_device_is_reported(folder: Path) -> None:
     os.symlink("/dev/full", folder / "run.csv")
     process = started(folder, "run.csv", "--for", "2s")

@@ -110,6 +110,11 @@ class McapFile:
                 facts |= {"offered_qos_profiles": ""}
             self._channels.append(mcap.channel(number, schema, topic, "cdr" if message else "json", facts))
 
+    @property
+    def repeats(self) -> bool:
+        """See ``Writer.repeats``: the next chunk is written over one that has failed."""
+        return self._seeks
+
     def write(self, blocks: Sequence[Block]) -> None:
         """See ``Writer.write``: the chunk, its indexes and a new end of the file, made in memory that is used again."""
         import numpy
