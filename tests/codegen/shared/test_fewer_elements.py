@@ -183,3 +183,120 @@ def test_what_differs_by_the_index_alone_is_compiled_from_fewer_elements(written
 def test_what_may_be_irregular_is_compiled_element_by_element(written: str, instead: str) -> None:
     assert written in PROGRAM
     assert way(PROGRAM.replace(written, instead)) == "all"
+
+
+@pytest.mark.parametrize(
+    ("written", "instead"),
+    [
+        ("value + gain", "value % 9223372036854775600 + gain"),
+        ("question % 1000 + i", "base + i"),
+    ],
+)
+def test_where_only_many_elements_overflow_passes_get_all_of_them(written: str, instead: str) -> None:
+    program = PROGRAM.replace("    var question", "    var base     : int = 9223372036854775600\n    var question")
+    program = program if "base" in instead else PROGRAM
+    assert written in program
+    assert way(program.replace(written, instead)) == "all after passes"
+
+
+CELL = """
+process Cell {
+  in  input  : int
+  out output : int
+  communication {
+    var value : int
+  }
+  composition {
+    mu (input ? value ; output ! value)
+  }
+}
+"""
+
+GRID = """
+const rows = 5
+const columns = 230
+const size = rows * columns
+process Grid {
+  communication {
+    cell[size] : Cell
+    for r < rows {
+      for c < columns {
+        cell[r * columns + c].output -> cell[r * columns + (c + 1) % columns].input
+      }
+    }
+  }
+  composition {
+    par i < size : cell[i]
+  }
+}
+"""
+
+PAIRS = """
+const size = 230
+process Pair {
+  in  input  : int
+  out output : int
+  communication {
+    first  : Cell
+    second : Cell
+    input -> first.input
+    first.output -> second.input
+    second.output -> output
+  }
+  composition {
+    first || second
+  }
+}
+
+process Ring {
+  communication {
+    pair[size] : Pair
+    for i < size {
+      pair[i].output -> pair[(i + 1) % size].input
+    }
+  }
+  composition {
+    par i < size : pair[i]
+  }
+}
+"""
+
+HUBS = """
+const size = 230
+const each = 3
+process Hub {
+  out output[each] : int
+  in  input[each]  : int
+  communication {
+    var value : int = 0
+  }
+  composition {
+    mu ((seq k < each : output[k] ! value) ; (seq k < each : input[k] ? value))
+  }
+}
+
+process Hubs {
+  communication {
+    hub[size]          : Hub
+    cell[size * each]  : Cell
+    for i < size {
+      for k < each {
+        hub[i].output[k] -> cell[each * i + k].input
+        cell[each * i + k].output -> hub[i].input[k]
+      }
+    }
+  }
+  composition {
+    (par i < size : hub[i]) || (par i < size * each : cell[i])
+  }
+}
+"""
+
+
+@pytest.mark.parametrize("text", [GRID, PAIRS, HUBS], ids=["grid", "pairs", "hubs"])
+def test_arrays_inside_and_indexes_of_two_loops_follow_from_fewer_elements(text: str) -> None:
+    assert way(text + CELL) == "fewer"
+
+
+def test_a_size_that_is_set_is_compiled_from_fewer_elements() -> None:
+    assert way(network("ring", 30), settings={"size": "300"}) == "fewer"
