@@ -68,7 +68,7 @@ docs: $(VENV)/.stamp-dev ## Write the generated documentation
 	$(BIN)/cspdiag explain --markdown > build-diagnostics.tmp
 	mv build-diagnostics.tmp docs/diagnostics.md
 
-site: $(VENV)/.stamp-site third-party/VERSIONS ## Build the documentation as a site, build/site/index.html: every program, command and figure of it
+site: $(VENV)/.stamp-site page ## Build the documentation as a site, build/site/index.html: every program, command and figure of it
 	PYTHONPATH=. $(BIN)/python -m distribution.site.build
 
 pictures: $(VENV)/.stamp-dev ## Draw the pictures of the documentation and the models

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Iterator, Mapping
 from itertools import islice
@@ -26,9 +27,10 @@ from cspdiag.verify.systems import SystemCache, VerificationError
 MOST_SUGGESTIONS = 4
 MOST_OF_A_KIND = 2
 MOST_TRIED = 24
-SECONDS = 3.0
+SECONDS = 15.0 if sys.platform == "emscripten" else 3.0
 """The processor time for trying all changes together, and again the same time for a program that is not small: what is
-suggested does not depend on the load of the machine.
+suggested does not depend on the load of the machine. In a browser Python is several times slower, and its clock counts
+whatever time passes.
 """
 SMALL = 8
 """In a program with more instances, changes are first tried with a smaller constant, if the program then waits at the

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import cspdiag
@@ -28,7 +28,7 @@ def write_book(site: Path, program: str) -> None:
     the first document says where its headings are, and the numbers take the room that is left for them.
     """
     _print(site, program, {})
-    _print(site, program, pages_of_links((site / NAME).read_bytes()))
+    _print(site, program, pages_of_links(site / NAME))
 
 
 def _print(site: Path, program: str, pages: Mapping[str, int]) -> None:
@@ -68,26 +68,13 @@ def _article(path: Path) -> str:
     return f'<article id="{path.stem}">{article}</article>'
 
 
-def pages_of_links(pdf: bytes) -> dict[str, int]:
+def pages_of_links(pdf: Path) -> dict[str, int]:
     """The page, from 1, of each identifier that a link of a document leads to, which a browser has printed."""
-    objects = dict(re.findall(rb"^(\d+) 0 obj\n(.*?)^endobj", pdf, re.MULTILINE | re.DOTALL))
-    (catalog,) = (each for each in objects.values() if each.startswith(b"<</Type /Catalog"))
+    from pypdf import PdfReader
 
-    def leaves(number: bytes) -> Iterator[bytes]:
-        kids = re.search(rb"/Kids \[([^\]]*)\]", objects[number]) if b"/Type /Pages" in objects[number] else None
-        if kids is None:
-            yield number
-        else:
-            for kid in re.findall(rb"(\d+) 0 R", kids[1]):
-                yield from leaves(kid)
-
-    def named(entry: bytes) -> bytes:
-        (reference,) = re.findall(rb"/%s (\d+) 0 R" % entry, catalog)
-        return bytes(reference)
-
-    numbers = {page: number for number, page in enumerate(leaves(named(b"Pages")), start=1)}
-    destinations = re.findall(rb"/([\w-]+) \[(\d+) 0 R /XYZ", objects[named(b"Dests")])
-    return {name.decode(): numbers[page] for name, page in destinations}
+    reader = PdfReader(pdf)
+    found = {name: reader.get_destination_page_number(place) for name, place in reader.named_destinations.items()}
+    return {name.removeprefix("/"): page + 1 for name, page in found.items() if page is not None}
 
 
 def document(site: Path, pages: Mapping[str, int] | None = None) -> str:

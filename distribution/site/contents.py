@@ -193,9 +193,9 @@ GALLERY = Section(
                 (
                     "slow-loop",
                     "Timing alone breaks a loop",
-                    "Gains that are stable at 2 ms, and at 10 ms swing from limit to limit.",
+                    "Gains that are stable at 2\u00a0ms, and at 10\u00a0ms swing from limit to limit.",
                 ),
-                ("two-rates", "Two rates", "A current loop at 10 kHz inside a speed loop at 1 kHz."),
+                ("two-rates", "Two rates", "A current loop at 10\u00a0kHz inside a speed loop at 1\u00a0kHz."),
                 ("emergency-stop", "Emergency stop", "An interrupt that abandons whatever is running."),
             ),
         ),
@@ -261,20 +261,33 @@ RUN = ("docs/lectures/", "models/")
 """Where the pages are whose commands are run when the site is built."""
 
 KEYWORDS = {
-    "learn/tutorial": "install, installation, getting started, first program",
+    "learn/tutorial": "install, installation, getting started, first program, state machine, modes",
     "learn/language-in-brief": "cheat sheet, syntax",
-    "guides/timing": "gain margin, phase margin, delay margin, stability margin, sample period, deadline, Bode",
+    "guides/timing": "gain margin, phase margin, delay margin, stability margin, sample period, deadline, Bode, "
+    "jitter, real time jitter, response time, latency, schedulability, worst-case execution time, WCET",
+    "guides/tuning": "gain tuning, tuning, gains",
+    "guides/sweeps": "Monte Carlo, parameter study",
+    "guides/studio": "browser, playground",
+    "guides/review": "git, GitHub, GitLab, pull request",
+    "guides/assistants": "MCP, language model",
+    "guides/hosts": "distributed, several computers",
     "guides/editors": "VS Code, Vim, Neovim, Emacs, language server",
-    "guides/recordings": "CSV, MCAP, ROS 2, rosbag, PlotJuggler, Foxglove",
-    "guides/devices": "gamepad, joystick, keyboard, CAN, MQTT, OPC UA, GPIO, serial port",
-    "guides/c": "FreeRTOS, Zephyr, microcontroller, flash, stack, real time, interrupt handler",
-    "guides/fmi": "FMU, FMI, Simulink, 20-sim, OpenModelica, co-simulation",
-    "guides/python": "numpy, pandas, notebook",
-    "reference/language": "rendezvous, broadcast, buffer, float32, units, parameter, environment, import",
-    "explanations/verification": "deadlock, deadlock free, livelock, counterexample, refinement, proof",
+    "guides/recordings": "CSV, MCAP, Parquet, ROS 2, rosbag, PlotJuggler, Foxglove, log, logging",
+    "guides/devices": "gamepad, joystick, keyboard, CAN, MQTT, OPC UA, GPIO, serial port, UDP, real time",
+    "guides/c": "FreeRTOS, Zephyr, microcontroller, STM32, ARM, Cortex-M, RISC-V, embedded, bare metal, RTOS, flash, "
+    "stack, real time, interrupt handler",
+    "guides/fmi": "FMU, FMI, Simulink, MATLAB, 20-sim, OpenModelica, co-simulation, hybrid",
+    "guides/python": "python-control, python control, numpy, pandas, notebook",
+    "guides/tool-chain": "MATLAB, Simulink, Stateflow, ROS 2, ROS",
+    "guides/gymnasium": "gym, reinforcement learning",
+    "reference/language": "rendezvous, broadcast, buffer, float32, units, parameter, environment, import, sample time, "
+    "sample period, sampling, PID, anti-windup, hybrid, plant, exception, overwrite, ||, ||>, [], []>, mu, par, "
+    "pripar, seq, alt, prialt, parallel, alternative",
+    "explanations/verification": "deadlock, deadlock free, livelock, counterexample, refinement, proof, model checking",
     "gallery/emergency-stop": "emergency stop, interrupt",
+    "gallery/jiwy": "PID, state machine, robot, joystick",
     "gallery/watchdog": "timeout, time-out, exception",
 }
-"""What readers search for, by the page that should come first; the search of the site finds a page by its title or by
-these words before it finds it by its text.
+"""What readers search for, by the page that should come first; the search of the site finds a page by these words, also
+if the search has more words, before it finds it by its text.
 """

@@ -16,6 +16,7 @@ _LIMIT = 300
 _TIMES = (
     (re.compile(r"^([A-Z]+ +\S.*), [\d.e-]+ s\)$", re.MULTILINE), r"\1)"),
     (re.compile(r"^(\d+ (?:propert|assertion).*) in [\d.e-]+ s$", re.MULTILINE), r"\1"),
+    (re.compile(r"^(\d+ runs) in [\d.]+ s(?: after [\d.]+ s of compiling)?", re.MULTILINE), r"\1"),
     (re.compile(r"^(  simulated [\d.]+ \w+) in .*$", re.MULTILINE), r"\1"),
 )
 """What is left out of what commands print: how long it took on the machine that made the site."""

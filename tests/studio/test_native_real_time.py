@@ -283,6 +283,18 @@ def test_a_program_that_was_stopped_by_a_signal_is_not_left_behind(engine: Engin
     assert "was killed, and outputs may be as they were" in ended["text"]
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="the system has to say that the engine has died")
+def test_a_program_that_was_stopped_continues_to_its_release_when_its_engine_is_killed(
+    valve: Valve, engine: EngineInProcess
+) -> None:
+    native = engine.native
+    os.kill(native, signal.SIGSTOP)
+    engine.process.kill()
+    engine.process.wait(20)
+    valve.expect_safe()
+    wait_until(lambda: not is_alive(native))
+
+
 def is_alive(process: int) -> bool:
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(") ")[2][0] not in "ZX"

@@ -175,8 +175,12 @@ def test_a_step_is_a_communication(player: Player) -> None:
     assert communication["channel"] == "SymmetricTable.philosopher[0].first"
     player.ask("step", session=session, count=3)
     assert len(player.frames[-1]["params"]["communications"]) == 3
-    waiting = {each["process"]: each for each in player.ask("state", session=session)["waiting"]}
+    state = player.ask("state", session=session)
+    assert not state["playing"]
+    waiting = {each["process"]: each for each in state["waiting"]}
     assert waiting["SymmetricTable.philosopher[4]"]["channels"] == ["SymmetricTable.philosopher[4].first"]
+    player.ask("play", session=session, speed=1)
+    assert player.ask("state", session=session)["playing"]
 
 
 def test_a_deadlock_is_seen(player: Player) -> None:

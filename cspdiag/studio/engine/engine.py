@@ -65,7 +65,7 @@ class Engine:
         except RequestError as problem:
             return _refusal(number, str(problem), problem.help)
         except ProgramError as problem:
-            return _refusal(number, _first_error(problem), "correct what `check` reports first")
+            return _refusal(number, _first_error(problem), "correct its errors first")
         except CspdiagError as problem:
             return _refusal(number, str(problem), None)
         except OSError as problem:

@@ -302,7 +302,7 @@ export interface Requests {
   step: { params: { session: SessionId; by: "communication" | "instant"; count?: number }; result: { now: number } };
   input: { params: { session: SessionId; name: string; value: Value }; result: unknown };
   tune: { params: { session: SessionId; name: string; value: unknown }; result: unknown };
-  state: { params: { session: SessionId }; result: { now: number; running: string[]; waiting: Waiting[] } };
+  state: { params: { session: SessionId }; result: { now: number; playing: boolean; running: string[]; waiting: Waiting[] } };
 }
 
 export type Method = keyof Requests;

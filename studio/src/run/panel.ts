@@ -178,7 +178,7 @@ export class RunPanel {
   /** This page controls the program, or only shows it. */
   control(controls: boolean): void {
     this.controls = controls;
-    this.session.controls = controls;
+    void this.session.control(controls);
     for (const room of [element("hand", HTMLElement), element("parameters", HTMLElement)]) {
       room.inert = !controls;
     }

@@ -167,6 +167,21 @@ export class Session {
     this.changed();
   }
 
+  /** This page controls the run, or only shows it. One that begins to control it learns whether the page before has paused it. */
+  async control(controls: boolean): Promise<void> {
+    const begins = controls && !this.controls;
+    const { started, phase } = this;
+    this.controls = controls;
+    if (!begins || (phase !== "playing" && phase !== "paused")) {
+      return;
+    }
+    const state = await this.engine.request("state", { session: this.session }).catch(() => undefined);
+    if (state !== undefined && this.started === started && this.phase === phase) {
+      this.phase = state.playing ? "playing" : "paused";
+      this.changed();
+    }
+  }
+
   /** Ends the run; what was recorded stays. */
   async stop(): Promise<void> {
     const { started } = this;

@@ -137,5 +137,34 @@ test("C is generated", async () => {
   await page.getByLabel("Target").selectOption("c");
   await page.getByRole("button", { name: "Generate" }).click();
   await page.locator("#ui-listing", { hasText: "csp_" }).waitFor();
+});
+
+test("a page that is loaded needs no network, and asks no other host for anything", async () => {
+  const context = page.context();
+  const asked = [];
+  context.on("request", (request) => asked.push(request.url()));
+  await page.reload();
+  await page.getByText("In this browser").waitFor();
+  await context.setOffline(true);
+  await page.getByLabel("Example", { exact: true }).selectOption("watchdog");
+  await page.getByText("No problems").waitFor();
+  await page.locator("#ui-diagram svg", { hasText: "heating" }).waitFor();
+  await page.getByRole("tab", { name: "Run", exact: true }).click();
+  await page.locator("#ui-run-button").click();
+  await page.locator("#ui-plots .plot").first().waitFor();
+  await page.waitForFunction(() => parseFloat(document.querySelector("#ui-time").textContent) > 0.1);
+  await page.locator("#ui-run-button").click();
+  await page.getByRole("tab", { name: "Prove" }).click();
+  await page.getByRole("button", { name: "Prove all" }).click();
+  await page.locator("#ui-side-prove .word", { hasText: "holds" }).first().waitFor();
+  await page.getByRole("tab", { name: "Generate" }).click();
+  await page.getByLabel("Target").selectOption("c");
+  await page.getByRole("button", { name: "Generate" }).click();
+  await page.locator("#ui-listing", { hasText: "csp_" }).waitFor();
+  await write(page, "process Other { composition { slip } }\n");
+  await page.locator("#ui-problems li", { hasText: "slip" }).waitFor();
+  await context.setOffline(false);
+  const { origin } = new URL(studio.address);
+  assert.deepEqual(asked.filter((address) => new URL(address).origin !== origin), []);
   assert.deepEqual(page.complaints, []);
 });

@@ -139,6 +139,11 @@ test("of two pages one controls the program, and the other can take control", as
   await second.getByRole("button", { name: "Take control" }).click();
   await first.locator("#ui-hand-note", { hasText: /Page \d+ controls the program/ }).waitFor();
   await second.locator("#ui-run-button:enabled", { hasText: "Pause" }).waitFor();
+  // Whoever takes control of a run that was paused meanwhile can resume it.
+  await second.locator("#ui-run-button").click();
+  await second.locator("#ui-run-button", { hasText: "Resume" }).waitFor();
+  await first.getByRole("button", { name: "Take control" }).click();
+  await first.locator("#ui-run-button:enabled", { hasText: "Resume" }).waitFor();
   await first.close();
   await second.close();
 });

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { fetches } from "../../../editors/vscode/src/webview/picture";
 import { snippet } from "../../src/editor/assistance";
 import { Elements } from "../../src/diagram/elements";
 import { scenes } from "../../src/proofs/film";
@@ -25,6 +26,16 @@ test("a colour is that of the highest threshold that is reached", () => {
   const steps = "0: grey; 0.5: #c00; 1: var(--error)";
   assert.deepEqual([-1, 0, 0.7, 2].map((value) => colourOf(steps, value)), [undefined, "grey", "#c00", "var(--error)"]);
   assert.equal(colourOf("0: url(https://example.org)", 1), undefined);
+});
+
+test("what a picture may fetch is found, whatever way it is written", () => {
+  for (const css of ["url(#shade)", "fill: url( '#shade' )", "rotate(3) scale(2)"]) {
+    assert.equal(fetches(css), false, css);
+  }
+  const address = "http://elsewhere.test/k";
+  for (const css of [`url(${address})`, `u\\72l(${address})`, `\\75 rl("${address}")`, `image-set("${address}" 1x)`, `url(#a), url(${address})`, `url("#a\\"${address}")`, `@import "${address}"`]) {
+    assert.equal(fetches(css), true, css);
+  }
 });
 
 test("the picture is named after the environment or the program", () => {

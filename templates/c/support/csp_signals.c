@@ -9,6 +9,9 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/mman.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <time.h>
 #include <unistd.h>
 
@@ -158,6 +161,9 @@ void csp_signals_end_with(int pipe)
     csp_signals_handle(SIGTERM, stop, SA_RESTART);
     has_handler[SIGTERM] = true;
     csp_watch_lifeline(pipe);
+#ifdef __linux__
+    (void)prctl(PR_SET_PDEATHSIG, SIGCONT); /* one that is stopped would not see the end of the pipe */
+#endif
 }
 
 /* ---- Around a run ---- */

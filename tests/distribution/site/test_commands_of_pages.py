@@ -38,19 +38,22 @@ NOT_RUN = (
     "cspdiag run heater.csp --real-time --tune",  # Reads until it is stopped: tests/runtime/kernel/test_tuning.py.
     "cspdiag run pair.csp --place",  # Needs a second host: tests/docs/test_hosts_page.py.
     "cspdiag run model.csp --environment Modelled",  # Needs an FMU of pythonfmu: tests/docs/test_tutorial.py.
-    "cspdiag verify --timing jiwy.csp --wcet-from times.json",  # Needs times of a microcontroller: tests/c_kernel.
+    "cspdiag verify --timing jiwy.csp --wcet-from times.json",  # Needs times of a microcontroller: tests/cli/verbs.
     "cspdiag sweep ...",  # Is the command above it.
     "cspdiag sweep models/jiwy/jiwy.csp --set panGains.kp=1:4:1000",  # Needs a cluster: tests/sweep.
     "git clone",  # Needs a network.
 )
 """How commands begin that are not run."""
 FINDS = (
-    "cspdiag run models/dining/deadlock.csp",
+    "cspdiag margins models/jiwy/jiwy.csp --loop motionControl --set Tsh=10ms",
+    "cspdiag run models/dining/deadlock.csp --draw-deadlock",
     "cspdiag verify crossing.csp",
     "cspdiag verify models/dining/deadlock.csp",
     "cspdiag verify models/jiwy/stolen_button.csp",
 )
 """How commands begin that end with exit code 1, as what they are shown for is wrong."""
+KEEPS_PACE = "cspdiag run models/jiwy/jiwy.csp --real-time --target c --trace"
+"""How a command begins that ends with exit code 1 if samples are missed, as on a machine that is busy with tests."""
 QUICK = (
     "cspdiag check",
     "cspdiag diff",
@@ -108,8 +111,8 @@ def test_commands_print_what_is_shown(page: Path, reader: Shell) -> None:
             reader.write(Path(step.name).name, step.text)
         elif is_run(step.line):
             code, printed = reader.execute(step.line)
-            differs = step.line.startswith("cspdiag diff") and code == 1
-            if code != step.line.startswith(FINDS) and not differs:
+            may_be_1 = step.line.startswith(("cspdiag diff", KEEPS_PACE)) and code == 1
+            if code != step.line.startswith(FINDS) and not may_be_1:
                 wrong.append(f"`{step.line}` ended with exit code {code}:\n{printed}")
             elif step.shown:
                 wrong += [f"`{step.line}`: {line}" for line in differences(step.shown, printed)]
@@ -119,7 +122,9 @@ def test_commands_print_what_is_shown(page: Path, reader: Shell) -> None:
 
 def test_what_is_not_run_is_on_a_page() -> None:
     lines = [step.line for page in PAGES for step in steps(page.read_text("utf-8")) if isinstance(step, Command)]
-    assert [begins for begins in (*NOT_RUN, *FINDS) if not any(line.startswith(begins) for line in lines)] == []
+    assert [
+        begins for begins in (*NOT_RUN, *FINDS, KEEPS_PACE) if not any(line.startswith(begins) for line in lines)
+    ] == []
 
 
 def test_what_a_page_shows_of_a_command_is_compared() -> None:

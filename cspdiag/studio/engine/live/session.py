@@ -215,8 +215,13 @@ class Session:
         return {}
 
     def state(self) -> Data:
-        """Where the run is, and which process waits for what."""
-        return {"now": self._run.now, "running": list(self._run.recorder.running), "waiting": waiting(self._run)}
+        """Where the run is, whether it plays, and which process waits for what."""
+        return {
+            "now": self._run.now,
+            "playing": self._speed is not None,
+            "running": list(self._run.recorder.running),
+            "waiting": waiting(self._run),
+        }
 
     def stop(self) -> Data:
         """End the run, and release the outputs."""

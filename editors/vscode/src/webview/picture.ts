@@ -22,6 +22,12 @@ const [NARROW, LEGIBLE] = [500, 0.8];
 const SMALLEST = 0.6;
 const ACTIVE = /^(?:script|foreignObject|iframe|object|embed|animate|set|animateTransform|animateMotion|use|image)$/i;
 
+/** Whether CSS may fetch something: it refers to anything but parts of its picture, or has escapes, by which it could. */
+export function fetches(css: string): boolean {
+  const others = css.replace(/url\(\s*(["']?)#[^"')\\]*\1\s*\)/gi, "");
+  return /@import|(?:url|src|image|image-set)\s*\(|\\[^(]*\(/i.test(others);
+}
+
 /** An SVG from a text, without anything that could act or fetch; undefined if the text is not one. */
 export function safe(text: string): SVGSVGElement | undefined {
   const parsed = new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
@@ -33,12 +39,12 @@ export function safe(text: string): SVGSVGElement | undefined {
       each.remove();
       continue;
     }
-    if (each.localName === "style" && /@import|url\s*\(/i.test(each.textContent)) {
+    if (each.localName === "style" && fetches(each.textContent)) {
       each.remove();
     }
     for (const { name, value } of [...each.attributes]) {
       const refers = /(?:^|:)href$/i.test(name) && !value.trim().startsWith("#");
-      if (/^on/i.test(name) || refers || /url\s*\(\s*["']?\s*(?!#)[^\s"'#]/i.test(value) || /javascript:/i.test(value)) {
+      if (/^on/i.test(name) || refers || fetches(value) || /javascript:/i.test(value)) {
         each.removeAttribute(name);
       }
     }
