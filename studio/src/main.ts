@@ -276,7 +276,7 @@ function offer(known: readonly Model[]): void {
 
 /** Shows a program that another page runs. */
 async function follow(running: Running): Promise<void> {
-  await load({ files: running.files, main: running.main }, {});
+  await load({ files: running.files, main: running.main }, running.own === true ? { name: OWN } : {});
   // Before anything is requested: the frames of the run arrive already.
   await run.follow(running);
   await check();

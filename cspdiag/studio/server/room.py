@@ -164,7 +164,7 @@ class Room:
                 viewer.send(text)
 
     def _started(self, hand: Viewer, params: Any, result: dict[str, Any]) -> None:
-        program = {key: params[key] for key in ("files", "main") if key in params}
+        program = {key: params[key] for key in ("files", "main", "own") if key in params}
         self._running = {**program, **result}
         for viewer in self.viewers:
             if viewer is not hand:

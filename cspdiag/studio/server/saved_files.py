@@ -35,9 +35,10 @@ class SavedFiles:
         return self._file.own_folder
 
     def opened(self, program: Mapping[str, Any]) -> None:
-        """Pages get this program, of the engine that has read it."""
-        self._folder = Path(self._file.folder(program["main"]))
-        self._names = frozenset(program["files"])
+        """Pages get this program, of the engine that has read it. What is not on the disk now may come back."""
+        folder = Path(self._file.folder(program["main"]))
+        before = self._names if folder == self._folder else frozenset()
+        self._folder, self._names = folder, before | frozenset(program["files"])
 
     def look(self) -> bool:
         """Whether there is news for pages: files are not those of ``note``, and have not changed since the last

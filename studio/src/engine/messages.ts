@@ -187,6 +187,8 @@ export interface Chosen {
   inputs?: string | undefined;
   real_time?: boolean;
   target?: string;
+  /** Whether it is the program of the files with which the studio was started, for the other pages. */
+  own?: boolean;
 }
 
 export interface StartResult {
@@ -248,7 +250,9 @@ export interface Ended {
 }
 
 /** A run that another page controls. */
-export interface Running extends Program, StartResult {}
+export interface Running extends Program, StartResult {
+  own?: boolean;
+}
 
 export interface HandState {
   /** Whether this page controls the program. */

@@ -5,12 +5,16 @@ import type { Program } from "../engine/messages";
 import { element } from "../page/dom";
 import type { Workspace } from "./workspace";
 
+const names = (files: readonly (readonly [string, string])[]) => files.map(([name]) => name);
+
 export class Saving {
   private readonly button = element("save", HTMLButtonElement);
   /** The texts as they are on the disk, of the program that the engine was started with. */
   private saved: Record<string, string> = {};
   /** That program, with what was written into it while it was shown. */
   own: Program | undefined;
+  /** The files that it had and that are not there any more. */
+  private missing: readonly string[] = [];
   /** Whether that program is shown, and not an example or that of a link. */
   shown = false;
 
@@ -67,14 +71,17 @@ export class Saving {
     } else {
       this.own = { ...this.own, files: { ...here, ...Object.fromEntries(taken) } };
     }
-    this.say(taken, "changed on disk, and now shown as on disk");
-    this.say(kept, "changed on disk as well as here: to have what is there, copy what you want to keep, and reload the page");
+    this.say(names(taken), this.shown ? "changed on disk, and now shown as on disk" : "changed on disk");
+    const missing = Object.keys(this.saved).filter((name) => !(name in files));
+    this.say(missing.filter((name) => !this.missing.includes(name)), "no longer a file of the program on the disk; here it is as it was");
+    this.missing = missing;
+    this.say(names(kept), "changed on disk as well as here: to have what is there, copy what you want to keep, and reload the page");
     this.paint();
   }
 
-  private say(files: readonly (readonly [string, string])[], what: string): void {
+  private say(files: readonly string[], what: string): void {
     if (files.length > 0) {
-      this.report(`${files.map(([name]) => name).join(", ")}: ${what}.`);
+      this.report(`${files.join(", ")}: ${what}.`);
     }
   }
 

@@ -57,6 +57,8 @@ export class RunPanel {
   private environments: EnvironmentInfo[] = [];
   private recordings: readonly string[] = [];
   private ranVersion = -1;
+  /** Whether the program is that of the engine. */
+  private own = false;
   /** Whether this page controls the program. */
   private controls = true;
   private painting = false;
@@ -150,6 +152,7 @@ export class RunPanel {
 
   /** Another program is opened, of which no environment is known until it is checked. Recordings are those of the `own` one. */
   async opened(own: boolean): Promise<void> {
+    this.own = own;
     this.inputs.value = "";
     this.inputs.hidden = !own || this.recordings.length === 0;
     this.environment.replaceChildren();
@@ -240,6 +243,7 @@ export class RunPanel {
       set: Object.fromEntries(this.parameters.changed),
       real_time: this.realTime,
       target: this.target,
+      own: this.own,
     });
   }
 

@@ -76,7 +76,7 @@ test("what another editor writes is shown, also in a program that was left for a
   await page.getByLabel("Example", { exact: true }).selectOption("watchdog");
   await page.locator(".files button[aria-pressed=true]", { hasText: "watchdog.csp" }).waitFor();
   writeFileSync(file, `// by an editor again\n${before}`);
-  await page.getByText("buffer.csp: changed on disk, and now shown as on disk.").waitFor();
+  await page.getByText("buffer.csp: changed on disk.").waitFor();
   assert.equal(await page.getByLabel("Inputs", { exact: true }).isVisible(), false);
   await page.getByLabel("Example", { exact: true }).selectOption("/");
   await page.locator(".cm-line", { hasText: "// by an editor again" }).waitFor();
@@ -144,6 +144,27 @@ test("of two pages one controls the program, and the other can take control", as
   await second.locator("#ui-run-button", { hasText: "Resume" }).waitFor();
   await first.getByRole("button", { name: "Take control" }).click();
   await first.locator("#ui-run-button:enabled", { hasText: "Resume" }).waitFor();
+  await first.close();
+  await second.close();
+});
+
+test("a page that watches the program of the files can save them later", async () => {
+  const first = await open();
+  const second = await open();
+  await first.getByLabel("Speed").selectOption("0.1");
+  await first.locator("#ui-run-button").click();
+  await second.locator("#ui-plots .plot").first().waitFor();
+  const before = readFileSync(file, "utf8");
+  writeFileSync(file, `// during the run\n${before}`);
+  await second.locator(".cm-line", { hasText: "// during the run" }).waitFor();
+  await second.getByText("buffer.csp: changed on disk, and now shown as on disk.").waitFor();
+  await second.getByRole("button", { name: "Take control" }).click();
+  await second.locator(".cm-content").click();
+  await second.keyboard.press("Control+Home");
+  await second.keyboard.insertText("// by the second\n");
+  await second.keyboard.press("Control+s");
+  await second.getByText("buffer.csp is saved.").waitFor();
+  assert.match(readFileSync(file, "utf8"), /^\/\/ by the second\n\/\/ during the run\n/);
   await first.close();
   await second.close();
 });

@@ -58,8 +58,8 @@ def test_the_first_page_controls_and_others_see(tmp_path: Path) -> None:
         }
         with pytest.raises(RuntimeError, match="another page controls"):
             second.ask("start")
-        first.ask("start", files={"a.csp": "text"}, main="a.csp")
-        assert second.wait_for("started") == {"files": {"a.csp": "text"}, "main": "a.csp", "session": "1"}
+        first.ask("start", files={"a.csp": "text"}, main="a.csp", own=True)
+        assert second.wait_for("started") == {"files": {"a.csp": "text"}, "main": "a.csp", "own": True, "session": "1"}
         first.ask("play", session="1")
         assert first.wait_for("frame")["session"] == second.wait_for("frame")["session"] == "1"
         third = studio.open()

@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+from cspdiag.studio.engine.program_file import ProgramFile
+from cspdiag.studio.server.saved_files import SavedFiles
 from tests.studio.server.running_studio import Studio
 
 BEFORE = "process A() = SKIP\n"
@@ -72,6 +74,30 @@ def test_pages_learn_what_others_write_and_what_is_saved(tmp_path: Path, monkeyp
         (tmp_path / "away").write_text("back\n", encoding="utf-8")
         (tmp_path / "away").rename(studio.program)
         wait_for("back\n")
+
+
+def test_a_file_that_comes_back_is_news(tmp_path: Path) -> None:
+    part = tmp_path / "part.csp"
+    for path in (tmp_path / "a.csp", part):
+        path.write_text(BEFORE, encoding="utf-8")
+    files = SavedFiles(ProgramFile(str(tmp_path / "a.csp")))
+
+    def news() -> bool:
+        files.look()
+        found = files.look()
+        files.note()
+        return found
+
+    files.opened({"main": "a.csp", "files": {"a.csp": "", "part.csp": ""}})
+    assert news()
+    part.unlink()
+    assert news()
+    files.opened({"main": "a.csp", "files": {"a.csp": ""}})
+    assert not news()
+    part.write_text(BEFORE, encoding="utf-8")
+    assert news()
+    files.save("part.csp", "process B() = SKIP\n", BEFORE)
+    assert part.read_text(encoding="utf-8") == "process B() = SKIP\n"
 
 
 @pytest.mark.parametrize("file", ["../a.csp", "/etc/passwd", "page/index.html", "", None, 5, "a.csp\0"])
