@@ -24,7 +24,6 @@ from cspdiag.codegen.c.text.code import (
     code,
     conditional,
     infix,
-    mentions_self,
     minus,
     negated,
     own,
@@ -41,6 +40,7 @@ from cspdiag.codegen.c.text.statements import (
     has_effect,
     jumps_to,
     lines,
+    mentions_self,
     run,
     store,
 )

@@ -1,4 +1,4 @@
-"""Statements that were unrolled become loops again."""
+"""Statements and iterations of a `seq` that were unrolled become loops again, also if the process waits in them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
 from cspdiag.codegen.c.text.code import Code, address, call, code, unsigned
 from cspdiag.codegen.c.text.rolling import countable, rolled
 from cspdiag.codegen.c.text.statements import Plain, lines, run
@@ -82,3 +83,69 @@ def test_branches_of_a_parallel_that_differ_in_numbers_share_their_code(level: i
         files = pipeline.generate(network, read_source, "c", level, observed=True)
         lengths.add(sum(len(text.splitlines()) for path, text in files.items() if path.startswith("pool")))
     assert len(lengths) == 1
+
+
+SCAN = """
+process Scan {
+  in  low[16]  : double @ 10 ms
+  in  high[16] : double @ 10 ms
+  out sum      : double @ 10 ms
+
+  communication {
+    var v     : double[16] = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
+    var w     : double     = 0
+    var total : double     = 0
+  }
+
+  composition {
+    mu (BODY ; sum ! total)
+  }
+}
+"""
+
+
+def scan(body: str, level: int = 0) -> str:
+    """The step function of the process, with the table of places."""
+    built = pipeline.build(SourceFile(name="main.csp", text=SCAN.replace("BODY", body)), read_source)
+    assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
+    return pipeline.generate(built.network, read_source, "c", level)["scan.c"]
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize(
+    ("body", "waits"),
+    [
+        ("(seq i < 16 : (low[i] ? v[i]))", 1),
+        ("(seq i < 3 : (low[i] ? v[i]))", 1),
+        ("(seq i < 16 : (low[i] ? w ; high[i] ? v[i]))", 2),
+        ("(seq i < 8 : (low[2 * i + 1] ? v[i + 3]))", 1),
+        ("(seq i < 16 : (low[i] ? w ; if w > 1 then high[i] ? w))", 2),
+        ("(seq i < 16 : (low[i] ? w)) ; (seq i < 16 : (high[i] ? w))", 2),
+        ("(seq i < 2 : (low[i] ? w))", 2),  # too few
+        ("(seq i < 4 : (low[3 - i] ? w))", 4),  # elements count down
+        ("low[0] ? w ; low[1] ? w ; low[2] ? w", 3),  # each has its own place in the text
+    ],
+)
+def test_a_process_waits_at_as_many_places_as_its_text_has(body: str, waits: int, level: int) -> None:
+    text = scan(body, level)
+    assert text.count("CSP_AWAIT(") == text.count(".waiting = CSP_AT_READ") == waits
+
+
+def test_the_turn_and_what_the_process_waits_for_outlast_the_wait() -> None:
+    text = " ".join(scan("(seq i < 16 : (low[i] ? v[i]))").split())
+    assert "for (self->turn = 0U; self->turn < 16U; self->turn++) {" in text
+    assert "self->awaited = &self->low[self->turn]; CSP_AWAIT(" in text
+    assert ".indirect = true," in text
+    assert ".offset = offsetof(struct scan, awaited) }" in text
+    assert "self->v.at[self->turn] = self->received.low;" in text
+
+
+def test_a_loop_in_a_loop_is_written_out() -> None:
+    assert scan("(seq i < 3 : (high[i] ? w ; (seq j < 4 : (low[4 * i + j] ? w))))").count("CSP_AWAIT(") == 1 + 4
+
+
+def test_steps_between_waits_are_counted_by_a_local_variable() -> None:
+    text = " ".join(scan("low[0] ? w ; high[0] ? w ; (seq i < 16 : total := total + v[i])").split())
+    assert "for (uint32_t i = 0U; i < 16U; i++) {" in text
+    assert text.count("csp_real(") == 1
+    assert "self->turn" not in text

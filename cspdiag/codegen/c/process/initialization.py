@@ -21,13 +21,12 @@ from cspdiag.codegen.c.text.code import (
     cast,
     code,
     ignored,
-    mentions_kernel,
     own,
     unsigned,
 )
 from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium
 from cspdiag.codegen.c.text.rolling import Rolled, countable, rolled, rolled_from
-from cspdiag.codegen.c.text.statements import Block, Plain, Statement, define, run, store
+from cspdiag.codegen.c.text.statements import Block, Plain, Statement, define, mentions_kernel, run, store
 from cspdiag.codegen.shared.document import Document
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.model.types import IntType

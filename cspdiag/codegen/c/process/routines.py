@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import Aggregate, Atom, Code, call, code, mentions_self
+from cspdiag.codegen.c.text.code import Aggregate, Atom, Code, call, code
 from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names
@@ -22,6 +22,7 @@ from cspdiag.codegen.c.text.statements import (
     Wait,
     define,
     lines,
+    mentions_self,
     return_value,
     signature,
     store,

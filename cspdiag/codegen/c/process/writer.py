@@ -12,7 +12,7 @@ from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.routines import Handler, Routine, Waiting, WaitingState
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.port_layout import TAKEN
-from cspdiag.codegen.c.text.code import Code, address, call, cast, code, mentions_kernel, own, unsigned
+from cspdiag.codegen.c.text.code import Code, address, call, cast, code, own, unsigned
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
@@ -33,6 +33,7 @@ from cspdiag.codegen.c.text.statements import (
     goto_if,
     in_block,
     jumps_to,
+    mentions_kernel,
     return_value,
     run,
     store,
@@ -84,6 +85,8 @@ class Writer:
         self.alone = not inside.of(ParallelSteps) and not inside.of(InterruptOn)
         self.number = Names((*TAKEN, *self.names.globals)).fresh("number")
         """The local variable for the number of the branch, in step functions that several branches share."""
+        self.in_turns = False
+        """Whether the present step is in a loop whose turn chooses elements of arrays."""
         self.depth = 0
         """The number of prioritized parallels around the present step."""
         self.inner: str | None = None
@@ -240,7 +243,8 @@ class Writer:
     def add_member(self, name: str, type_: str) -> Code:
         """A new member for the present step function; an array if several branches share it."""
         count = self.current.count
-        self.members.work.append(StructMember(f"{type_} {name}{_size(count)}"))
+        space = "" if type_.endswith("*") else " "
+        self.members.work.append(StructMember(f"{type_}{space}{name}{_size(count)}"))
         return self._branch_member(name)
 
     def _branch_member(self, member: str) -> Code:

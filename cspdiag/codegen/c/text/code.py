@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from cspdiag.base.record import lazily, record
-from cspdiag.codegen.c.text.kernel import TAKES_KERNEL, USES_KERNEL
+from cspdiag.codegen.c.text.kernel import TAKES_KERNEL
 from cspdiag.codegen.shared.document import (
     LINE,
     SOFT,
@@ -20,7 +20,7 @@ from cspdiag.codegen.shared.document import (
     listed,
 )
 from cspdiag.codegen.shared.parentheses import Operands, Parentheses
-from cspdiag.codegen.shared.trees import Counted, nodes
+from cspdiag.codegen.shared.trees import Counted
 
 COMMA, ASSIGNMENT, CONDITIONAL, OR, AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, POSTFIX = range(11)
 """The precedences of C that the generator uses, the loosest first."""
@@ -65,7 +65,11 @@ class Code:
 
     def at(self, index: int | Code) -> Code:
         """``x[index]``."""
-        return Element(at_least(self, POSTFIX), Count(index, "index") if isinstance(index, int) else index)
+        return Element(at_least(self, POSTFIX), Count(index, "index") if isinstance(index, int) else index.as_index())
+
+    def as_index(self) -> Code:
+        """The same number where any type of integer will do."""
+        return self
 
 
 @record
@@ -388,21 +392,9 @@ def in_order(parts: tuple[Code, ...]) -> Code:
     return Parenthesized(Sequence((*before, last))) if before else last
 
 
-def mentions_self(item: object) -> bool:
-    """Whether an expression or statements use ``self``."""
-    return any(isinstance(node, Own) or node == _SELF for node in nodes(item))
-
-
-def mentions_kernel(item: object) -> bool:
-    """Whether an expression or statements use ``csp``, the state of the run."""
-    return any(node in _KERNEL or (isinstance(node, Call) and node.function in USES_KERNEL) for node in nodes(item))
-
-
 CSP = Atom("csp")
 """The state of the run."""
 NOW = Atom("csp->now")
 """The present instant."""
 CHANGES = Atom("csp->changes")
 """How often the parameters of the program have been set."""
-_SELF = Atom("self")
-_KERNEL = (CSP, NOW, CHANGES)

@@ -350,8 +350,8 @@ class Printer(Evaluator):
         if not index_fits(expression):
             index = call("csp_index", index, str(expression.operand.type.size))
         if isinstance(expression.operand, TunableValue):
-            return Element(member_of(self.reference(expression.operand), "at"), index)
-        return Element(operand.field("at"), index)
+            return Element(member_of(self.reference(expression.operand), "at"), index.as_index())
+        return Element(operand.field("at"), index.as_index())
 
 
 def _checked(function: str, type_: Type) -> str:

@@ -37,6 +37,10 @@ class Numbered(Code):
         """How tightly its operator binds."""
         return self._sum().precedence
 
+    def as_index(self) -> Code:
+        """The same without a cast."""
+        return replaced(self, type_name=None)
+
     def _document(self) -> Document:
         return self._sum().document
 

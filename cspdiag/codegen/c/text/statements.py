@@ -8,25 +8,31 @@ from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.text.code import (
+    CHANGES,
     CSP,
     INDENT,
     LINE_LENGTH,
+    NOW,
     Atom,
     Call,
     Code,
+    Own,
     assign,
     code,
     ignored,
-    mentions_kernel,
     negated,
 )
 from cspdiag.codegen.c.text.documents import comment
+from cspdiag.codegen.c.text.kernel import USES_KERNEL
 from cspdiag.codegen.c.text.literals import in_comment
 from cspdiag.codegen.shared.document import Document, Fill, Nest, listed, render
 from cspdiag.codegen.shared.trees import nodes
 
 _LEAST_REMARK = 40
 """The columns that a comment may use at least, however deep its indentation."""
+
+_SELF = Atom("self")
+_KERNEL = (CSP, NOW, CHANGES)
 
 
 @record
@@ -161,6 +167,16 @@ def store(target: Code | str, value: Code | str, remark: str | None = None) -> P
 def with_kernel(statements: Sequence[Statement]) -> tuple[Statement, ...]:
     """The body of a function that is passed the kernel, whether or not it uses it."""
     return (*([] if mentions_kernel(statements) else [run(ignored(CSP))]), *statements)
+
+
+def mentions_self(item: object) -> bool:
+    """Whether an expression or statements use ``self``."""
+    return any(isinstance(node, Own) or node == _SELF for node in nodes(item))
+
+
+def mentions_kernel(item: object) -> bool:
+    """Whether an expression or statements use ``csp``, the state of the run."""
+    return any(node in _KERNEL or (isinstance(node, Call) and node.function in USES_KERNEL) for node in nodes(item))
 
 
 def define(type_name: str, name: str, value: Code | str | None = None, remark: str | None = None) -> Plain:

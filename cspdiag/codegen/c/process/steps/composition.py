@@ -19,8 +19,9 @@ from cspdiag.codegen.c.process.steps.laws_in_processes import (
 from cspdiag.codegen.c.process.steps.parallels import parallel
 from cspdiag.codegen.c.process.steps.plain_steps import assign_value, discard, read_value, stop, wait, write_value
 from cspdiag.codegen.c.process.steps.scopes import group, report, scope
+from cspdiag.codegen.c.process.steps.turns import TurnFinder, Turns
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import call, ignored, negated, own, unsigned
+from cspdiag.codegen.c.text.code import Code, call, ignored, negated, own, unsigned
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import (
@@ -106,13 +107,38 @@ class CompositionWriter(Writer):
 
     def _sequence(self, steps: Sequence[ir.Action]) -> list[Statement]:
         statements: list[Statement] = []
-        for step in steps:
+        finder, position = TurnFinder(self.members, steps, self._turn), 0
+        while position < len(steps):
+            turns = self._turns(finder, position)
+            if turns is not None:
+                statements += self._turn_by_turn(turns)
+                position += turns.steps
+                continue
+            step = steps[position]
             outer, self.inner = self.inner, _law_of(step) or self.inner
             statements += self.statements(step)
             self.inner = outer
             if not can_complete(step):
                 break
+            position += 1
         return statements
+
+    def _turn(self) -> Code:
+        """The member that counts the turns of a loop in which the process waits."""
+        return own(self.shared_member("turn", "uint32_t"))
+
+    def _turns(self, finder: TurnFinder, position: int) -> Turns | None:
+        """The loop that begins with a step; loops in loops, and in branches that share a function, stay unrolled."""
+        if self.in_turns or self.current.count is not None:
+            return None
+        return finder.at(position)
+
+    def _turn_by_turn(self, turns: Turns) -> list[Statement]:
+        self.in_turns = True
+        body = tuple(self.statements(turns.body))
+        self.in_turns = False
+        begin, end = unsigned(0), unsigned(turns.count)
+        return [For(turns.number, end, body, begin, None if turns.waits else "uint32_t")]
 
     def _raise(self, action: ir.RaiseException) -> list[Statement]:
         number = exception_number(self.names, action.exception)

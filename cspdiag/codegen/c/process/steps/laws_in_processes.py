@@ -40,7 +40,6 @@ from cspdiag.codegen.c.text.code import (
     code,
     ignored,
     infix,
-    mentions_kernel,
     own,
 )
 from cspdiag.codegen.c.text.literals import quoted
@@ -55,6 +54,7 @@ from cspdiag.codegen.c.text.statements import (
     goto,
     goto_if,
     in_block,
+    mentions_kernel,
     run,
     store,
 )

@@ -7,6 +7,7 @@ from math import isfinite
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, Code, Own, address, call, code, ignored, infix, member_of, own
 from cspdiag.codegen.c.text.media import EndInC
+from cspdiag.codegen.c.text.numbered import mentions_number
 from cspdiag.codegen.c.text.rolling import countable
 from cspdiag.codegen.c.text.statements import (
     Block,
@@ -60,12 +61,25 @@ def read_value(writer: Writer, step: ReadValue) -> list[Statement]:
 
 def receive(writer: Writer, step: Step, source: EndInC, into: Code) -> list[Statement]:
     """Waits for a value and stores it in an lvalue that exists during the wait."""
-    place = writer.place(step, f"reads_{source.name}", "READ", source.member, indirect=source.indirect)
+    chosen, member, indirect = _awaited(writer, source)
+    place = writer.place(step, f"reads_{source.name}", "READ", member, indirect=indirect)
     operation = READS[source.access]
     if source.access in ("sampled", "event"):
         again = _operation(f"{operation}_again", source, into)
-        return [writer.wait(_operation(operation, source, into), again, place)]
-    return [check_cancelled(writer), writer.wait(_operation(operation, source, into), code("CSP_DONE"), place)]
+        return [*chosen, writer.wait(_operation(operation, source, into), again, place)]
+    waits = writer.wait(_operation(operation, source, into), code("CSP_DONE"), place)
+    return [*chosen, check_cancelled(writer), waits]
+
+
+def _awaited(writer: Writer, end: EndInC) -> tuple[list[Statement], Code, bool]:
+    """The statements before a wait at an end, the member for the table of places, and whether that is a pointer.
+
+    An element that the turn of a loop chooses has no place of its own in the struct, so a pointer to it is kept.
+    """
+    if not (writer.in_turns and mentions_number(end.member)):
+        return [], end.member, end.indirect
+    pointer = writer.shared_member("awaited", "const void *")
+    return [store(own(pointer), end.pointer)], pointer, True
 
 
 def _operation(function: str, end: EndInC, value: Code) -> Code:
@@ -109,9 +123,10 @@ def send(writer: Writer, step: Step, sink: EndInC, value: Code, *, finite: bool 
     if sink.never_waits:
         checked = [] if finite else check_finite(writer, sink, value, writer.where(step))
         return [check_cancelled(writer), *checked, hand_over(sink, value)]
-    place = writer.place(step, f"writes_{sink.name}", "WRITE", sink.member, indirect=sink.indirect)
+    chosen, member, indirect = _awaited(writer, sink)
+    place = writer.place(step, f"writes_{sink.name}", "WRITE", member, indirect=indirect)
     operation = _operation(WRITES[sink.access], sink, value)
-    return [check_cancelled(writer), writer.wait(operation, code("CSP_DONE"), place)]
+    return [*chosen, check_cancelled(writer), writer.wait(operation, code("CSP_DONE"), place)]
 
 
 def hand_over(sink: EndInC, value: Code) -> Plain:

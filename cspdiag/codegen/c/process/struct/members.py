@@ -24,7 +24,7 @@ from cspdiag.codegen.c.text.statements import Statement
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.laws.equations import finite_signals
 from cspdiag.codegen.shared.places_in_arrays import Arrays
-from cspdiag.model.types import IntType, Type
+from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ResetStates, RunLaw
 from cspdiag.network.ir.expressions import ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
@@ -188,9 +188,9 @@ class Members:
             self.instances[name] = self.instances[first]
         return name
 
-    def number(self, value: Numbered) -> str:
+    def number(self, value: Numbered, type_: Type) -> str:
         """A name, as of a variable, for an integer that follows from the number of the branch."""
-        typed = replaced(value, type_name=self.types.type_name(IntType()))
+        typed = replaced(value, type_name=self.types.type_name(type_))
         self._numbers[str(typed)] = typed
         return str(typed)
 
