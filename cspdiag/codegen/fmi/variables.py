@@ -68,13 +68,18 @@ def scalars(
         case ArrayType(element=element):
             assert isinstance(value, tuple)
             for index, part in enumerate(value):
-                yield from scalars(f"{name}[{index}]", f"{place}.at[{index}]", element, part, types)
+                yield from scalars(_indexed(name, index), f"{place}.at[{index}]", element, part, types)
         case BoolType() | IntType() | RealType() | TimeType() | EnumType():
             yield name, place, type_, value
         case TextType() | UnknownType():
             raise ValueError(f"{type_} has no values at run time")
         case _:
             assert_never(type_)
+
+
+def _indexed(name: str, index: int) -> str:
+    """The name of an element; FMI writes the indexes of an array of arrays as ``grid[0,1]``."""
+    return f"{name.removesuffix(']')},{index}]" if name.endswith("]") else f"{name}[{index}]"
 
 
 def c_type(type_: Scalar | Clock) -> str:

@@ -169,7 +169,7 @@ def test_values_of_all_types(desk: Path, tmp_path: Path) -> None:
     with ready(desk, tmp_path) as one:
         one.set("button", True)
         one.set("delay", 0.25)
-        one.set("feet[1]", 400.0)
+        one.set("feet[1,1]", 400.0)
         one.step(0.0, 0.01)
         lamps = {"lamp[0]": False, "lamp[1]": True}
         assert one.outputs() == {"drive": 2.5, "shown": 3, **lamps, "total": 1, "kept": True}
