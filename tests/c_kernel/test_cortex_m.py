@@ -33,7 +33,7 @@ CLOCK = ("-icount", "shift=3,sleep=off")
 """Eight nanoseconds per instruction; sleeping takes no time on the host."""
 
 
-def firmware(network: Network, level: int, folder: Path) -> Path:
+def firmware(network: Network, level: int, folder: Path, *options: str) -> Path:
     """The program of a network in its first environment, to be loaded by the emulator."""
     files = pipeline.generate(network, read, "c", level, traced=True)
     for path, text in files.items():
@@ -54,7 +54,8 @@ def firmware(network: Network, level: int, folder: Path) -> Path:
     includes = (f"-I{folder}", f"-I{folder / 'support'}")
     image = folder / "program.elf"
     compile_once(
-        *("arm-none-eabi-gcc", *PROCESSOR, *FLAGS, *definitions, *includes, *sources, HERE / "cortex_m" / "main.c"),
+        *("arm-none-eabi-gcc", *PROCESSOR, *FLAGS, *options, *definitions, *includes),
+        *(*sources, HERE / "cortex_m" / "main.c"),
         *LINKED,
         *("-o", image),
     )
@@ -81,11 +82,11 @@ def bits(value: object) -> int:
     return value & (2**64 - 1)
 
 
-@pytest.mark.parametrize("level", [0, 1])
-def test_jiwy_on_a_microcontroller(level: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("level", "options"), [(0, ()), (0, ("-flto",)), (1, ("-flto",))])
+def test_jiwy_on_a_microcontroller(level: int, options: tuple[str, ...], tmp_path: Path) -> None:
     need("arm-none-eabi-gcc", "qemu-system-arm")
     network = network_of(read("models/jiwy/jiwy.csp"))
-    image = firmware(network, level, tmp_path)
+    image = firmware(network, level, tmp_path, *options)
     lines = [line.split() for line in emulated(image)]
     records = [line for line in lines if line[0].isdigit()]
     trace = [Communication(int(time), name, int(number)) for time, name, number in records]
