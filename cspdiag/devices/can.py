@@ -58,7 +58,8 @@ class Can(MessageDevice):
             return cantools.database.load_file(self._dbc)
         except OSError as error:
             raise DeviceError(f"{self._dbc}: {error.strerror}; paths are relative to where the run starts") from None
-        except (cantools.database.UnsupportedDatabaseFormatError, cantools.database.errors.Error) as error:
+        # ValueError for a name with another ending.
+        except (cantools.database.UnsupportedDatabaseFormatError, cantools.database.errors.Error, ValueError) as error:
             raise DeviceError(f"{self._dbc} is not a file that cantools reads: {error}") from None
 
     def _resolve(self, database: Any) -> None:
@@ -111,7 +112,10 @@ class Can(MessageDevice):
             frame = self._bus.recv(0.1)
         except (OSError, self._can.CanError) as error:
             raise self._explained(error) from None
-        if frame is None or frame.is_error_frame or frame.arbitration_id not in self._received:
+        # A remote frame is a question, to which the node that has the message answers.
+        if frame is None or frame.is_error_frame or frame.is_remote_frame:
+            return
+        if frame.arbitration_id not in self._received:
             return
         message, ports = self._received[frame.arbitration_id]
         try:

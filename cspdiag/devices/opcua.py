@@ -16,6 +16,9 @@ from .messages import MILLISECOND, SECOND, MessageDevice, Use, addressed
 _PATIENCE = 5.0
 """Seconds for the server to answer."""
 
+_MISSING = ("BadNodeIdUnknown", "BadNodeIdInvalid", "BadAttributeIdInvalid")
+"""Statuses that say that the server lacks a variable."""
+
 
 class Opcua(MessageDevice):
     """Variables of the server at ``url``: each port has a ``PORT_node``, such as ``ns=2;s=Level``.
@@ -77,7 +80,7 @@ class Opcua(MessageDevice):
             await self._client.connect()
         except (OSError, TimeoutError) as error:
             raise DeviceError(
-                f"there is no server: {error or 'it does not answer'}; start it, or correct `url`"
+                f"there is no server: {str(error) or 'it does not answer'}; start it, or correct `url`"
             ) from None
         except self._ua.UaError as error:
             raise DeviceError(f"the server refuses: {_text(error)}; see `user` and OPCUA_PASSWORD") from None
@@ -94,14 +97,24 @@ class Opcua(MessageDevice):
     async def _node(self, port: str, name: str) -> Any:
         try:
             node = self._client.get_node(name)
-            await node.read_value()
+            found = await node.read_data_value(raise_on_bad_status=False)
         except (self._ua.UaError, ValueError) as error:
             raise DeviceError(f"{port}_node: the server has no variable {name} ({_text(error)})") from None
+        status = found.StatusCode
+        if status is not None and status.name in _MISSING:
+            raise DeviceError(f"{port}_node: the server has no variable {name} ({status.doc})")
+        if port in self._outputs:
+            _require_good(name, status)
         return node
 
     def datachange_notification(self, node: Any, value: Any, data: Any) -> None:
         """Called by asyncua for each change, and once for each variable at the beginning."""
         port = self._ports[node]
+        try:
+            _require_good(self._outputs[port], data.monitored_item.Value.StatusCode)
+        except DeviceError as error:
+            self.fail(error)
+            return
         if port in self.blocking and node not in self._begun:
             self._begun.add(node)
         else:
@@ -157,6 +170,12 @@ class Opcua(MessageDevice):
         await self._write_all()
         with suppress(TimeoutError, self._ua.UaError, OSError):  # The server may be gone.
             await self._client.disconnect()
+
+
+def _require_good(name: str, status: Any) -> None:
+    """Raises DeviceError for a value that its server calls bad: it may not be there at all."""
+    if status is not None and status.is_bad():
+        raise DeviceError(f"{name} has no value: its status is {status.name} ({status.doc})")
 
 
 def _text(error: Exception) -> str:

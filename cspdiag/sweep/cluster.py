@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from types import TracebackType
 from typing import Any, Self
@@ -16,6 +17,9 @@ _TASKS_OF_EACH = 8
 """Tasks for each thread of the cluster, if there are enough runs: those of a machine that is lost are made again."""
 _PATIENCE = 10
 """Seconds in which the scheduler has to answer."""
+
+_LOST = "scheduler-connection-lost"
+"""What Dask says of tasks whose scheduler is gone."""
 
 
 class ClusterError(CspdiagError):
@@ -33,6 +37,10 @@ class Cluster:
             from distributed import Client
         except ImportError:
             raise missing_package("distributed", "dask") from None
+        self._address = address
+        # What it logs of a lost connection is a traceback, and is raised as well.
+        self._log = logging.getLogger("distributed.client")
+        self._level = self._log.level
         try:
             connect: Any = Client
             self._client = connect(address, timeout=_PATIENCE, set_as_default=False)
@@ -61,17 +69,21 @@ class Cluster:
             raise
         except Exception as problem:
             reason = str(problem).partition("\n")[0] or type(problem).__name__
+            if _LOST in reason:
+                raise ClusterError(f"the scheduler at {self._address} has gone away") from None
             raise ClusterError(f"the cluster cannot make the runs: {reason}") from problem
         finally:
             self._client.cancel(tasks)
 
     def __enter__(self) -> Self:
+        self._log.setLevel(logging.CRITICAL + 1)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._client.close()
+        self._log.setLevel(self._level)
 
 
 def _itself(maker: Maker) -> Maker:

@@ -89,7 +89,7 @@ def _board(folder: Path) -> Iterator[tuple[Peer, Any]]:
 
 
 def _repeated(peer: Peer) -> None:
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + 30  # The program is compiled meanwhile.
     while peer.heard.empty() and time.monotonic() < deadline:
         peer.send("level", 1.5)
         time.sleep(0.02)
@@ -118,6 +118,24 @@ def test_a_frame_that_is_too_short_ends_the_run_with_its_outputs_released(tmp_pa
         result = run(program(DRIVER, arguments), script)
     assert f"driver can {GROUP} failed to" in failure(result)
     assert "DeviceError: received 01, which is no message Status" in failure(result)
+
+
+def test_a_remote_frame_is_ignored(tmp_path: Path, arguments: str) -> None:
+    with _board(tmp_path) as (peer, bus):
+
+        def script() -> None:
+            _repeated(peer)
+            bus.send(can.Message(arbitration_id=256, is_extended_id=False, is_remote_frame=True, dlc=8))
+            converse(peer)()
+
+        result = run(program(DRIVER, arguments), script)
+    assert result.outcome.ended == "terminated"
+
+
+def test_a_file_of_another_kind_is_named(tmp_path: Path, arguments: str) -> None:
+    (tmp_path / "tank.py").write_text("")
+    result = run(program(DRIVER, arguments.replace("tank.dbc", "tank.py")), lambda: None)
+    assert "tank.py is not a file that cantools reads: " in failure(result)
 
 
 def test_a_value_that_its_signal_cannot_have_ends_the_run(tmp_path: Path, arguments: str) -> None:

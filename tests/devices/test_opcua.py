@@ -104,6 +104,43 @@ def test_a_variable_that_the_server_does_not_have_is_reported_before_the_run(ser
     assert "DeviceError: level_node: the server has no variable ns=2;s=Levle" in failure(result)
 
 
+def test_a_bad_status_ends_the_run_and_is_named(server: _Server) -> None:
+    from asyncua import ua
+
+    bad = ua.DataValue(ua.Variant(None), ua.StatusCode(ua.StatusCodes.BadSensorFailure))
+    try:
+        server.variables["level"].write_value(bad)
+        result = run(program(DRIVER, server.argument), lambda: None, until="3 s")
+    finally:
+        server.variables["level"].write_value(1.5)
+    assert "DeviceError: ns=2;s=Level has no value: its status is BadSensorFailure" in failure(result)
+
+
+def test_a_status_that_becomes_bad_ends_the_run_and_is_named(server: _Server) -> None:
+    from asyncua import ua
+
+    def script() -> None:
+        server.expect(1.5)
+        value = ua.DataValue(ua.Variant(3.0, ua.VariantType.Double), ua.StatusCode(ua.StatusCodes.BadSensorFailure))
+        server.variables["level"].write_value(value)
+        server.expect(-1)
+
+    try:
+        result = run(program(DRIVER, server.argument), script)
+    finally:
+        server.variables["level"].write_value(1.5)
+    assert "DeviceError: ns=2;s=Level has no value: its status is BadSensorFailure" in failure(result)
+
+
+def test_a_server_that_does_not_answer_is_reported() -> None:
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))
+        silent.listen()
+        url = f"opc.tcp://127.0.0.1:{silent.getsockname()[1]}"
+        result = run(program(DRIVER, f'url = "{url}"'), lambda: None)
+    assert "DeviceError: there is no server: it does not answer; start it, or correct `url`" in failure(result)
+
+
 def test_a_value_that_its_variable_cannot_have_ends_the_run(server: _Server) -> None:
     server.variables["level"].write_value(45000.0)
     result = run(program(DRIVER.replace("s=Valve", "s=Small"), server.argument), lambda: None, until="3 s")

@@ -104,3 +104,20 @@ def test_a_cluster_that_does_not_answer(tmp_path: Path) -> None:
 def test_an_address_is_a_text() -> None:
     with pytest.raises(TypeError, match="dask is a str"):
         cspdiag.parse(HEATER).sweep({"gain": 1}, until=1, dask=9)  # type: ignore[arg-type]
+
+
+def test_a_scheduler_that_goes_away_is_named_with_what_is_not_lost(cluster: Cluster, tmp_path: Path) -> None:
+    (tmp_path / "heater.csp").write_text(HEATER)
+    options = ["heater.csp", "--for", "800s", "--set", "gain=0.1:1:3000", "--measure", "mean(power)", "--quiet"]
+    running = subprocess.Popen(
+        [sys.executable, "-m", "cspdiag", "sweep", *options, "-o", "there.csv", "--dask", cluster.address],
+        cwd=tmp_path, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    partial = tmp_path / "there.csv.partial"
+    wait_until(lambda: running.poll() is not None or (partial.exists() and partial.read_text().count("\n") > 12))
+    cluster.processes[0].kill()
+    said = running.communicate(timeout=2 * PATIENCE)[1]
+    assert running.returncode == 1
+    assert f"cspdiag: the scheduler at {cluster.address} has gone away\n" in said
+    assert " of 3000 runs are in there.csv.partial: --resume makes the others" in said
+    assert "Traceback" not in said

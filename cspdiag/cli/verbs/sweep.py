@@ -228,7 +228,7 @@ def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None
         _say_interrupted(len(results), len(plan.grid), partial)
         return None
     except (CompilerError, ClusterError, MissingPackageError, target_errors()) as problem:
-        raise NoResultError(str(problem)) from None
+        raise NoResultError(f"{problem}{_kept(len(results), len(plan.grid), partial)}") from None
     sweep = Sweep(plan.grid, plan.measures, results, jobs.made)
     if arguments.plot is not None:
         sweep.plot(arguments.plot)
@@ -237,6 +237,13 @@ def _with_results(arguments: Namespace, plan: Plan, partial: PartialTable | None
         built = f" after {jobs.seconds:.3g} s of compiling" if jobs.compiled else ""
         say(f"{counted(len(missing), 'run')} in {seconds:.3g} s{built}, {sweep.made}: {sweep.summary()}")
     return sweep
+
+
+def _kept(done: int, total: int, partial: PartialTable | None) -> str:
+    """What is not lost of a sweep that cannot continue."""
+    if partial is None or not done:
+        return ""
+    return f"\n  {done} of {total} runs are in {partial.path}: --resume makes the others"
 
 
 def _say_interrupted(done: int, total: int, partial: PartialTable | None) -> None:
