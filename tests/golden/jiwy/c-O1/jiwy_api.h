@@ -137,8 +137,8 @@ typedef struct jiwy_hooks {
     /* Stores the sample of this input in its member of `inputs`; false: there is no new one. */
     bool (*sample)(void *context, jiwy_input input, jiwy_inputs *inputs);
     /* Stores the value of this event, of the type that its function has; false: it has not
-     * occurred. Asked at each multiple of `grid`, before samples are taken. NULL: events come by
-     * their functions only.
+     * occurred. Asked at each multiple of `grid`, first at `grid` itself, before samples are taken.
+     * NULL: events come by their functions only.
      */
     bool (*poll)(void *context, jiwy_event event, void *value);
     /* Nanoseconds; 0 or less: the greatest common divisor of the periods, or 1 ms. */
