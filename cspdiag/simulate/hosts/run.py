@@ -60,6 +60,8 @@ class DividedNetwork(Network):
         self.channels = _channels(self.process)
         self.ended: list[tuple[str, BaseException | None]] = []
         """The instances of this place that have ended, with their exceptions, since the other places were notified."""
+        self.awaited = ""
+        """The place that a run in virtual time waits for now, to agree with it on the next instant; "" for none."""
         replaced = replace_instances(self.process, self._replacement)
         self.elsewhere = {path: part for path, part in replaced.items() if isinstance(part, Elsewhere)}
 
@@ -291,7 +293,9 @@ class DividedRun(NetworkRun):
             while not self._rounds[other] and not self._links.by_place[other].over:
                 self._receive()
                 if not self._rounds[other] and not self._links.by_place[other].over:
+                    self._network.awaited = other
                     self._wait_for_messages()
+            self._network.awaited = ""
             if self._rounds[other]:
                 *vote, items = self._rounds[other].popleft()
                 votes.append(tuple(vote))

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 import signal
+from argparse import Namespace
 from pathlib import Path
 
 import pytest
 
+import cspdiag
 from cspdiag.cli.main import main
+from cspdiag.cli.support.runs.placed import shown_groups
 from tests.simulate.hosts.conftest import Start, ended, free_port, pair
 from tests.simulate.hosts.places import eventually
 from tests.simulate.hosts.proxy import Proxy
@@ -182,3 +185,12 @@ def test_each_place_opens_the_drivers_of_its_own_processes(start: Start, tmp_pat
     assert [code for code, _ in results.values()] == [0, 0], results
     for place, (_, output) in results.items():
         assert re.findall("opened of the (left|right)", output) == [place]
+
+
+def test_the_progress_of_a_place_is_about_its_own_processes(tmp_path: Path) -> None:
+    (tmp_path / "pair.csp").write_text(pair(5))
+    network = cspdiag.load(tmp_path / "pair.csp").network
+    for place, names in (("left", ["source"]), ("right", ["sink"]), (None, ["source", "sink"])):
+        arguments = Namespace(place=None if place is None else f"{place}@127.0.0.1:1", environment=None)
+        groups = shown_groups(arguments, network)
+        assert [name for group in groups for name in group.modes.values()] == names

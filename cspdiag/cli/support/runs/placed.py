@@ -9,12 +9,15 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.support.failure import NoResultError, UsageError
+from cspdiag.cli.support.runs.standstill import ProgramInPlace, ProgramInThread
 from cspdiag.cli.support.terminal import say
 
 if TYPE_CHECKING:
     from cspdiag.cli.support.runs.requested import RequestedRun
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.runtime.network import Network
     from cspdiag.simulate.hosts.part import Part, Seat
+    from cspdiag.simulate.record.modes import ModeGroup
     from cspdiag.simulate.run.package import LoadedPackage
 
 _SEAT = re.compile(r"(?P<place>[^@]+)@(?P<host>\[[0-9a-fA-F:]+\]|[^@:]+):(?P<port>[0-9]+)")
@@ -42,6 +45,41 @@ def refuse_unsupported(arguments: Namespace) -> None:
     for option, (given, why) in refused.items():
         if given:
             raise UsageError(f"{option} is not for --place: {why}")
+
+
+def shown_groups(arguments: Namespace, network: CoreNetwork) -> tuple[ModeGroup, ...]:
+    """The groups that the progress of a run shows; of a place, those that run in it. Raises UsageError."""
+    from cspdiag.simulate.record.modes import ModeGroup, mode_groups
+    from cspdiag.simulate.run.execute import NoEnvironmentError, chosen_environment
+
+    groups = mode_groups(network)
+    if arguments.place is None:
+        return groups
+    try:
+        environment = chosen_environment(network, arguments.environment)
+    except NoEnvironmentError as problem:
+        raise UsageError(str(problem)) from None
+    places = () if environment is None else environment.places
+    here = seat_of(arguments.place).place
+    elsewhere = {name for place, names in places if place != here for name in names}
+
+    def own(modes: Mapping[str, str]) -> dict[str, str]:
+        return {path: name for path, name in modes.items() if _instance(path) not in elsewhere}
+
+    return tuple(ModeGroup(group.name, own(group.modes), group.ports) for group in groups)
+
+
+def _instance(path: str) -> str:
+    """The instance of the outermost process, without its index, that a process is in: ``Jiwy.horizontal.alignL``."""
+    return path.split(".")[1].partition("[")[0]
+
+
+def observed(running: Network) -> ProgramInThread:
+    """What watchers see of a running place."""
+    from cspdiag.simulate.hosts.run import DividedNetwork
+
+    assert isinstance(running, DividedNetwork)
+    return ProgramInPlace(running)
 
 
 @contextmanager

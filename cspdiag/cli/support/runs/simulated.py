@@ -23,11 +23,11 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
     Raises UsageError for an environment that is not there, NoResultError for a target that cannot be built.
     """
     from cspdiag.cli.support.runs.endless import EndlessRun
+    from cspdiag.cli.support.runs.placed import shown_groups
     from cspdiag.cli.support.runs.progress import Progress
     from cspdiag.cli.support.runs.standstill import Standstill
     from cspdiag.codegen import target_errors
     from cspdiag.simulate.native.build import CompilerError
-    from cspdiag.simulate.record.modes import mode_groups
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.record.streamed.parameters import record_parameters
     from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
@@ -46,7 +46,7 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
             return _simulate_on_reference(RequestedRun(arguments, network, until, recorder, given, ()))
     progress = None
     if not arguments.quiet:
-        progress = Progress(recorder, mode_groups(network))
+        progress = Progress(recorder, shown_groups(arguments, network))
     standstill = None
     # In real time it continues.
     if not arguments.quiet and not arguments.real_time:
@@ -91,7 +91,7 @@ def _simulate_on_reference(run: RequestedRun) -> Run:
 
 def _simulate_in_python(run: RequestedRun) -> Run:
     from cspdiag import pipeline
-    from cspdiag.cli.support.runs.placed import placed
+    from cspdiag.cli.support.runs.placed import observed, placed
     from cspdiag.cli.support.runs.standstill import ProgramInThread
     from cspdiag.runtime.kernel.stopping import stopping
     from cspdiag.simulate.run.execute import simulate
@@ -116,7 +116,9 @@ def _simulate_in_python(run: RequestedRun) -> Run:
             recorder=run.recorder,
             probe_variables=run.probed and part is None,
             measured=run.measured and part is None,
-            on_start=lambda running: run.started(running, ProgramInThread(running)),
+            on_start=lambda running: run.started(
+                running, ProgramInThread(running) if part is None else observed(running)
+            ),
             changes=run.given.changes,
             recording=run.given.recording,
             inputs=run.given.inputs,

@@ -30,6 +30,17 @@ class ObservedProgram(Protocol):
         ...
 
 
+class RunningPlace(Protocol):
+    """The network of a place that runs; see ``DividedNetwork``."""
+
+    awaited: str
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds."""
+        ...
+
+
 PATIENCE = 3.0
 """Seconds between two observations."""
 _SAMPLES = 20
@@ -61,6 +72,19 @@ class ProgramInThread:
                 break
             time.sleep(_SECONDS_BETWEEN_SAMPLES)
         return list(found)
+
+
+class ProgramInPlace(ProgramInThread):
+    """The part of a program that one place runs, in the thread that creates this object."""
+
+    def __init__(self, network: RunningPlace) -> None:
+        super().__init__(network)
+        self._place = network
+
+    @property
+    def awaited(self) -> str:
+        """The other place that it waits for; "" for none."""
+        return self._place.awaited
 
 
 class Standstill:
@@ -103,12 +127,18 @@ class Standstill:
             if now == before:
                 # A line of progress may be there.
                 clear = "\r\x1b[K" if standard_error().isatty() else ""
-                put(f"{clear}{self.line(now, self._network.running_processes()[:_MOST_PLACES])}\n")
+                places = self._network.running_processes()[:_MOST_PLACES]
+                awaited = self._network.awaited if isinstance(self._network, ProgramInPlace) else ""
+                put(f"{clear}{self.line(now, places, awaited)}\n")
                 return
             before = now
 
-    def line(self, now: int, places: list[str]) -> str:
-        """The message at an instant in nanoseconds; ``places`` are those of the running processes."""
+    def line(self, now: int, places: list[str], awaited: str) -> str:
+        """The message at an instant in nanoseconds; ``places`` are those of the running processes, and ``awaited`` is a
+        place of the program on another host.
+        """
+        if awaited and not places:
+            return f"cspdiag: simulated time stands still at {now / 1e9:g} s, waiting for the place `{awaited}`"
         prefix = f"{self._top}."
         # A copy in one step, because the scheduler's thread continues meanwhile.
         names = [path.removeprefix(prefix) for path in list(self._recorder.running) if path != self._top]

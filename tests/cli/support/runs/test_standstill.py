@@ -12,15 +12,16 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.support.runs.standstill import Standstill
+from cspdiag.cli.support.runs.standstill import ProgramInPlace, Standstill
 from cspdiag.simulate.record.recorder import Recorder
 
 
 class _Clock:
     """Stays at one instant, or advances by a nanosecond at each check; signals when it was checked that often."""
 
-    def __init__(self, step: int, checks: int) -> None:
+    def __init__(self, step: int, checks: int, awaited: str = "") -> None:
         self.step = step
+        self.awaited = awaited
         self.left = checks
         self.seen = threading.Event()
         self._now = 2_000_000_000
@@ -54,6 +55,13 @@ def test_a_standstill_is_reported_once_with_what_runs(capsys: pytest.CaptureFixt
     )
     assert "assert Top livelock free" in reported
     assert reported.count("\n") == 1
+
+
+def test_who_waits_for_another_place_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    with Standstill(_recorder("c"), "Top", patience=0.001) as standstill:
+        standstill.attach(ProgramInPlace(_Clock(step=0, checks=2, awaited="right")))
+        standstill.thread.join()
+    assert capsys.readouterr().err == "cspdiag: simulated time stands still at 2 s, waiting for the place `right`\n"
 
 
 def test_nothing_is_reported_while_time_advances(capsys: pytest.CaptureFixture[str]) -> None:
