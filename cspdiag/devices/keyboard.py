@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import errno
 import os
 import re
@@ -11,13 +12,13 @@ from typing import Any
 from .failure import DeviceError
 from .messages import MILLISECOND, SECOND
 
-_KEYS = re.compile(rb"\x1b[\[O][0-9;]*([@-~])|\x1b|([^\x1b])")
+_KEYS = re.compile(r"\x1b[\[O][0-9;]*([@-~])|\x1b|([^\x1b])")
 """The sequence of an arrow, Home or another special key by its last letter, or a key with a character."""
 _OWN = "/dev/tty"
 """The terminal of the process. Of one that has none, because another process started it for a terminal, the environment
 variable ``CSPDIAG_TERMINAL`` names it.
 """
-_ARROWS = {b"A": ("y", -1), b"B": ("y", 1), b"C": ("x", 1), b"D": ("x", -1)}
+_ARROWS = {"A": ("y", -1), "B": ("y", 1), "C": ("x", 1), "D": ("x", -1)}
 
 
 class Keyboard:
@@ -37,6 +38,7 @@ class Keyboard:
         self._position = {"x": 0.0, "y": 0.0}
         self._pressed: dict[int, float] = {}
         self._file = -1
+        self._decoder = codecs.getincrementaldecoder("utf-8")("ignore")
         self._before: list[Any] = []
 
     def open(self) -> None:
@@ -79,31 +81,31 @@ class Keyboard:
             case _:  # The keys that have a port of their own.
                 return self._is_held({"space": ord(" "), "enter": ord("\n")}[port])
 
-    def _typed(self) -> bytes:
+    def _typed(self) -> str:
         try:
             data = os.read(self._file, 1000)
         except BlockingIOError:
-            return b""
+            return ""
         except OSError as error:
             if error.errno != errno.EIO:
                 raise
             data = b""
         if not data:
             raise DeviceError("its terminal was closed")
-        return data
+        return self._decoder.decode(data)
 
-    def _take(self, data: bytes) -> None:
-        for found in _KEYS.finditer(data):
+    def _take(self, typed: str) -> None:
+        for found in _KEYS.finditer(typed):
             arrow, key = found.groups()
             if arrow in _ARROWS:
                 axis, direction = _ARROWS[arrow]
                 moved = self._position[axis] + direction * self._step
                 self._position[axis] = round(min(max(moved, -1.0), 1.0), 9)
-            elif arrow == b"H" or key == b"0":
+            elif arrow == "H" or key == "0":
                 self._position = {"x": 0.0, "y": 0.0}
             elif key:
-                self._pressed.pop(key[0], None)  # The last one that was pressed is at the end.
-                self._pressed[key[0]] = time.monotonic()
+                self._pressed.pop(ord(key), None)  # The last one that was pressed is at the end.
+                self._pressed[ord(key)] = time.monotonic()
 
     def _is_held(self, key: int) -> bool:
         return time.monotonic() - self._pressed.get(key, -self._hold) < self._hold

@@ -20,6 +20,8 @@ MILLISECOND = 1_000_000
 SECOND = 1000 * MILLISECOND
 
 _CLOSED: Any = object()
+_MOST_OTHERS = 8
+"""Names without a port that are remembered, however many come."""
 _NOT_FINITE = re.compile(r'(?<!["\w])(?:(nan)|(inf)(?:inity)?)(?!["\w])', re.IGNORECASE)
 """A NaN or an infinity as ``printf`` and ``Serial.print`` write it."""
 
@@ -75,8 +77,11 @@ class MessageDevice:
         self._raise_failure()
         if not complete:
             missing = ", ".join(sorted(self._sampled - self._latest.keys()))
-            others = f"; there were only {', '.join(list(self._others)[:8])}" if self._others else ""
-            raise DeviceError(f"no value of {missing} has come within {self._wait:g} s{others}")
+            raise DeviceError(f"no value of {missing} has come within {self._wait:g} s{self._without_port()}")
+
+    def _without_port(self) -> str:
+        """The names of values that have come and have no port, for messages."""
+        return f"; without a port there were {', '.join(self._others)}" if self._others else ""
 
     def close(self) -> None:
         """Disconnect, and release the threads that wait for an event."""
@@ -96,7 +101,8 @@ class MessageDevice:
         self._raise_failure()
         silent = time.monotonic() - self._since[port]
         if 0 < self._timeout < silent:
-            raise DeviceError(f"no value of {port} has come for {silent:.3g} s: is the sender still there?")
+            account = f"no value of {port} has come for {silent:.3g} s{self._without_port()}"
+            raise DeviceError(f"{account}: is the sender still there?")
         return self._latest[port]
 
     def write(self, port: str, value: Any) -> None:
@@ -118,7 +124,8 @@ class MessageDevice:
                 self._latest[port] = value
                 self._changed.notify_all()
         else:
-            self._others[port] = None
+            if len(self._others) < _MOST_OTHERS:
+                self._others[port] = None
 
     def fail(self, error: Exception) -> None:
         """Called by the receiver: nothing more will come. The next read or write raises the error."""

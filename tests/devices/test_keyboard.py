@@ -99,6 +99,12 @@ def test_keys_reach_the_program_and_the_terminal_is_given_back(terminal: tuple[i
     assert termios.tcgetattr(terminal[0]) == before
 
 
+def test_a_letter_of_several_bytes_is_one_key(terminal: tuple[int, str]) -> None:
+    result = _run(terminal, ["é".encode(), b" "])
+    assert set(result["key"].tolist()) <= {0, ord("é"), ord(" ")}
+    assert ord("é") in result["key"].tolist()
+
+
 def test_home_returns_the_stick_and_it_has_an_end(terminal: tuple[int, str]) -> None:
     result = _run(terminal, [b"\x1b[D" * 12, b"\x1b[H", b" "])
     assert min(result["x"]) == -1

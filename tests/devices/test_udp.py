@@ -133,7 +133,7 @@ def test_a_misspelt_name_is_reported_with_those_that_came() -> None:
     with _peer() as (peer, port):
         text = program(DRIVER, f"port = {port}, patience = 300 ms")
         result = run(text, lambda: [(peer.send("levle", 1), time.sleep(0.01)) for _ in range(20)] and None)
-    assert failure(result).endswith("no value of level has come within 0.3 s; there were only levle")
+    assert failure(result).endswith("no value of level has come within 0.3 s; without a port there were levle")
 
 
 @pytest.mark.parametrize(
