@@ -31,7 +31,8 @@ static volatile bool woken; /* since the last sleep */
 
 int main(void);
 void csp_reset(void);
-void board_prepare(void);
+/* Called in assembly alone, which -flto does not see. */
+void board_prepare(void) __attribute__((used));
 
 /* Called by the entry below for every trap. */
 __attribute__((interrupt("machine"), aligned(4))) static void on_trap(void)

@@ -9,7 +9,7 @@ extern char csp_zero_begin[];
 extern char csp_zero_end[];
 
 void csp_reset(void);
-void csp_board_prepare(void);
+void csp_board_prepare(void) __attribute__((used)); /* called in assembly alone, which -flto does not see */
 
 /* The two shifts, which do nothing, mark the breakpoint between them as a call; none of the three may be a compressed instruction, or on another page. */
 __attribute__((noinline, aligned(16))) intptr_t csp_board_call(uint32_t operation, const void *argument)
