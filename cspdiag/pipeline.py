@@ -28,6 +28,11 @@ if TYPE_CHECKING:
     from cspdiag.settings import Overrides
     from cspdiag.syntax.ast import SourceTree
 
+LEAST_TO_CONTINUE = 1_500
+"""The size of arrays from which on code is made from fewer elements: to compile two small networks takes as long as the
+rows of some 1,000 cells.
+"""
+
 Reader = Callable[[str], SourceFile]
 """Reads an imported file; raises OSError if it cannot."""
 
@@ -82,14 +87,15 @@ def check(
     parse: Callable[[SourceFile, Report], SourceTree] | None = None,
     checks: Checks | None = None,
     for_findings: bool = False,
+    least: int = 0,
     real: Real = "double",
 ) -> Checked:
     """Find all errors in a program and the files it imports.
 
     ``overrides`` replaces the values of constants by name; ``parse`` gives the trees of files, and ``checks`` makes the
     checks of definitions, if they are to be remembered. ``for_findings``: only the diagnostics are wanted; a program of
-    many elements, of which fewer are enough to know that there are none, then has no ``analysis``. ``real`` is what
-    ``double`` means in the program. No program makes it raise an exception.
+    many elements, of which fewer are enough to know that there are none, then has no ``analysis`` (``least``: the least
+    size that is many). ``real`` is what ``double`` means in the program. No program makes it raise an exception.
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
@@ -110,7 +116,7 @@ def check(
         readable = resolve(trees, overrides or {}, report)
         check_model(readable, report)
         return Checked(program=None, report=report, readable=readable, real=real)
-    return _checked(trees, overrides or {}, report, for_findings=for_findings, real=real, checks=checks)
+    return _checked(trees, overrides or {}, report, for_findings=for_findings, least=least, real=real, checks=checks)
 
 
 @raised_recursion_limit()
@@ -121,15 +127,17 @@ def changed(
     *,
     trees: Sequence[SourceTree] | None = None,
     for_findings: bool = False,
+    least: int = 0,
 ) -> Checked:
     """A program without errors, checked with other values of its constants; its text is not read again.
 
-    Errors show the ``suspects``. ``trees`` take the places of those of its files. ``for_findings`` as for ``check``.
+    Errors show the ``suspects``. ``trees`` take the places of those of its files. The others are as for ``check``.
     """
     assert checked.program is not None
     report = Report()
     report.suspects = suspects
-    return _checked(trees or checked.program.trees, constants, report, for_findings=for_findings, real=checked.real)
+    trees = trees or checked.program.trees
+    return _checked(trees, constants, report, for_findings=for_findings, least=least, real=checked.real)
 
 
 def _checked(
@@ -138,6 +146,7 @@ def _checked(
     report: Report,
     *,
     for_findings: bool = False,
+    least: int = 0,
     real: Real,
     checks: Checks | None = None,
 ) -> Checked:
@@ -151,7 +160,7 @@ def _checked(
     checks.begin(program, report)
     check_model(program, report, checks)
     if for_findings and real == "double" and not report.diagnostics:
-        fewer = _clean_with_fewer(program)
+        fewer = _clean_with_fewer(program, least)
         if fewer is not None:
             return Checked(program=program, report=report, readable=program, fewer=fewer)
     analysis = check_network(program, report, checks)
@@ -180,11 +189,11 @@ def _with_rounded_network(checked: Checked) -> Checked:
         return plain
 
 
-def _clean_with_fewer(program: Program) -> Fewer | None:
+def _clean_with_fewer(program: Program, least: int) -> Fewer | None:
     """A program of many elements with fewer of them, if these show that nothing is wrong with its processes."""
     from cspdiag.network.elaborate.fewer.sizes import fewer_elements
 
-    sizes = fewer_elements(program)
+    sizes = fewer_elements(program, least)
     if not sizes:
         return None
     from cspdiag.model.checks.rules import check as check_model
@@ -282,7 +291,7 @@ def build(
     def lowered(checked: Checked) -> CoreNetwork | None:
         return compile_network(checked, top=top, environment=environment, overrides=overrides.parameters, alone=alone)
 
-    checked, overrides = check_with(main, read, settings, roots, real, for_findings=for_code)
+    checked, overrides = check_with(main, read, settings, roots, real, for_findings=for_code, least=LEAST_TO_CONTINUE)
     network = None if checked.fewer is None else _of_fewer_elements(checked, checked.fewer, lowered)
     if network is None:
         checked = _of_all_elements(checked)
@@ -314,20 +323,16 @@ def _of_fewer_elements(
         return None
     name, numbers = sizes
     more = changed(checked, {**program.overrides, name: numbers[1]})
-    if more.program is None or more.report.diagnostics:
-        return None
-    if not is_regular(few, more.program, program, fewer.varying, Extrapolation(*numbers)):
+    assert more.program is not None
+    follows = Extrapolation(*numbers)
+    if more.report.diagnostics or not is_regular(few, more.program, program, fewer.varying, follows):
         return None
     one, other = lowered(fewer.checked), lowered(more)
     if one is None or other is None or one.external_ports != other.external_ports:
         return None
 
-    def whole() -> CoreNetwork:
-        made = lowered(_of_all_elements(checked))
-        assert made is not None
-        return made
-
-    return replaced(other, fewer=FewerElements(network=one, sizes=numbers, whole=whole))
+    all_ = FewerElements(network=one, sizes=numbers, whole=lambda: lowered(_of_all_elements(checked)))
+    return replaced(other, fewer=all_)
 
 
 def check_with(
@@ -338,20 +343,22 @@ def check_with(
     real: Real,
     *,
     for_findings: bool = False,
+    least: int = 0,
 ) -> tuple[Checked, Overrides]:
     """The checked program with constants set, and the settings as values; ``roots`` finds what is to be compiled.
-    ``for_findings`` as for ``check``, if no parameter of an instance is set.
+    ``for_findings`` and ``least`` as for ``check``, if no parameter of an instance is set.
     """
     from cspdiag.settings import NO_OVERRIDES, parse_settings
 
-    checked = check(main, read, real=real, for_findings=for_findings)
+    checked = check(main, read, real=real, for_findings=for_findings, least=least)
     analysis = checked.analysis if checked.fewer is None else checked.fewer.checked.analysis
     if checked.program is None or analysis is None or checked.report.has_errors or not settings:
         return checked, NO_OVERRIDES
     overrides = parse_settings(checked.program, settings, roots(checked.program, analysis))
     if overrides.constants or checked.fewer is not None:
         for_findings = for_findings and not overrides.parameters
-        return changed(checked, overrides.constants, overrides.places, for_findings=for_findings), overrides
+        again = changed(checked, overrides.constants, overrides.places, for_findings=for_findings, least=least)
+        return again, overrides
     checked.report.suspects = overrides.places
     return checked, overrides
 

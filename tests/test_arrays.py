@@ -92,11 +92,12 @@ def test_generators_take_the_same_for_each_element(name: str, target: str, level
     ],
 )
 def test_an_element_takes_few_calls_from_the_text_to_the_code(
-    name: str, target: str, most: int, most_element_by_element: int
+    name: str, target: str, most: int, most_element_by_element: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """An element of a ring is an instance with a channel, of workers two with two, of a star one with two and a branch
     of an alternative.
     """
+    monkeypatch.setattr(pipeline, "LEAST_TO_CONTINUE", 0)
     few, many = 220, 268  # too many to be fused; the smaller networks that these follow from have the same size
 
     def each(*, for_code: bool) -> float:

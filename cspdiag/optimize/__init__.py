@@ -110,7 +110,9 @@ def optimize(network: Network, passes: Sequence[Pass] = PASSES, *, debug: bool =
         try:
             return _following_from_fewer(network, network.fewer, passes, debug=debug)
         except IrregularError:
-            network = network.fewer.whole()
+            whole = network.fewer.whole()
+            assert whole is not None
+            network = whole
     applied: list[str] = []
     if debug:
         require_valid(network)

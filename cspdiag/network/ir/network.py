@@ -341,8 +341,8 @@ class FewerElements:
     """The same with even fewer."""
     sizes: tuple[int, int, int]
     """The size of the arrays in that one, in this one, and in the program."""
-    whole: Callable[[], CoreNetwork]
-    """Makes the network of all elements from the program."""
+    whole: Callable[[], CoreNetwork | None]
+    """Makes the network of all elements from the program, which has one."""
 
 
 @record(kw_only=True)

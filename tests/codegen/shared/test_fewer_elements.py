@@ -20,6 +20,12 @@ NETWORKS = Path(__file__).parents[3] / "benchmarks" / "networks"
 SIZE = 230
 """More than are always compiled one by one."""
 
+
+@pytest.fixture(autouse=True)
+def few_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pipeline, "LEAST_TO_CONTINUE", 0)
+
+
 Way: TypeAlias = Literal["fewer", "all after passes", "all", "none"]
 """Whether code is made from fewer elements, from all of them, from all of them since passes do not do the same with
 fewer ones, or not at all.
@@ -300,3 +306,11 @@ def test_arrays_inside_and_indexes_of_two_loops_follow_from_fewer_elements(text:
 
 def test_a_size_that_is_set_is_compiled_from_fewer_elements() -> None:
     assert way(network("ring", 30), settings={"size": "300"}) == "fewer"
+
+
+def test_a_few_hundred_elements_are_compiled_sooner_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    assert way(network("ring"), ()) == "all"
+    built = pipeline.build(SourceFile(name="main.csp", text=network("ring", 10_000)), read_source, for_code=True)
+    assert built.network is not None
+    assert built.network.fewer is not None

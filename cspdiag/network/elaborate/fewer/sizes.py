@@ -19,14 +19,19 @@ MOST_TEXT = 200_000
 """Characters. A longer program is not one that is short because of its arrays."""
 
 
-def fewer_elements(program: Program) -> dict[str, int]:
-    """The constants that are sizes of many elements, each with the size to be examined in its place."""
+def fewer_elements(program: Program, least: int = 0) -> dict[str, int]:
+    """The constants that are sizes of many elements, each with the size to be examined in its place; none if all of
+    them are below ``least``.
+    """
     large: dict[ast.Constant, int] = {}
     for constant, value in program.constants.items():
         is_whole = isinstance(constant.value, ast.Number) and isinstance(program.types.get(constant), IntType)
         if is_whole and isinstance(value, int) and value > MANY:
             large[constant] = value
-    if not large or sum(len(tree.source.text) for tree in program.trees) > MOST_TEXT:
+    if (
+        max(large.values(), default=0) <= max(MANY, least - 1)
+        or sum(len(tree.source.text) for tree in program.trees) > MOST_TEXT
+    ):
         return {}
     pending = [*_counts(program)]
     counting: set[ast.Node] = set()
