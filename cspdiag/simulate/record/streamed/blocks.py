@@ -28,7 +28,7 @@ class Writer(Protocol):
     """What writes the blocks of a recording to a file; every method raises OSError as the file system does."""
 
     @property
-    def repeats(self) -> bool:
+    def can_retry(self) -> bool:
         """Whether a ``write`` that has failed has changed nothing, so that a part of it may be written instead."""
         ...
 

@@ -35,9 +35,9 @@ class Journal:
         return self._file.part
 
     @property
-    def repeats(self) -> bool:
-        """See ``Writer.repeats``."""
-        return self._mcap.repeats
+    def can_retry(self) -> bool:
+        """See ``Writer.can_retry``."""
+        return self._mcap.can_retry
 
     def write(self, blocks: Sequence[Block]) -> None:
         """See ``Writer.write``."""

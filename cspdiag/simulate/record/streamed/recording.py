@@ -120,7 +120,7 @@ class Recording:
         try:
             writer.write(piece)
         except OSError:
-            halves = halved(piece) if writer.repeats else None
+            halves = halved(piece) if writer.can_retry else None
             if halves is None:
                 raise
             for half in halves:

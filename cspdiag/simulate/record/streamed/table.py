@@ -16,7 +16,7 @@ from cspdiag.simulate.record.streamed.part_file import PartFile
 class Table:
     """See ``Writer``."""
 
-    repeats = False
+    can_retry = False
     """What fits is written, row by row."""
 
     def __init__(self, file: PartFile, head: RecordingHead) -> None:

@@ -46,6 +46,8 @@ def test_a_longer_run_keeps_no_more(
 class _Full:
     """A writer whose disk is full after some blocks."""
 
+    can_retry = False
+
     def __init__(self, blocks: int) -> None:
         self.blocks = blocks
         self.closed = self.abandoned = 0

@@ -111,8 +111,8 @@ class McapFile:
             self._channels.append(mcap.channel(number, schema, topic, "cdr" if message else "json", facts))
 
     @property
-    def repeats(self) -> bool:
-        """See ``Writer.repeats``: the next chunk is written over one that has failed."""
+    def can_retry(self) -> bool:
+        """See ``Writer.can_retry``: the next chunk is written over one that has failed."""
         return self._seeks
 
     def write(self, blocks: Sequence[Block]) -> None:

@@ -27,8 +27,8 @@ class RosBag:
         self._part = f"{self._path}.part" if part is None else part
         os.makedirs(self._part, exist_ok=True)
         self._head = head
-        self.repeats = True
-        """See ``Writer.repeats``: not if the values are written and their description fails."""
+        self.can_retry = True
+        """See ``Writer.can_retry``: not if the values are written and their description fails."""
         self._name = f"{os.path.basename(self._path)}_0.mcap"
         inside = os.path.join(self._part, self._name)
         self._file = PartFile(inside, inside)
@@ -38,9 +38,9 @@ class RosBag:
     def write(self, blocks: Sequence[Block]) -> None:
         """See ``Writer.write``."""
         self._mcap.write(blocks)
-        self.repeats = False
+        self.can_retry = False
         self._describe()
-        self.repeats = True
+        self.can_retry = True
 
     def close(self, ended: str, time: int) -> None:
         """See ``Writer.close``."""
