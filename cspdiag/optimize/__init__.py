@@ -158,7 +158,8 @@ def _require_same_decisions(few: Network, some: Network, sizes: tuple[int, int, 
 
 
 def _expressions(classes: object) -> Iterator[Expression]:
-    return (part for part in parts(classes) if isinstance(part, Typed))  # type: ignore[misc]
+    # Every typed part of a network is an expression, of which `Expression` is the union.
+    return (cast("Expression", part) for part in parts(classes) if isinstance(part, Typed))
 
 
 def _decided(expression: Expression) -> tuple[bool, bool, bool]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from concurrent.futures import ThreadPoolExecutor
+from typing import cast
 
 import pytest
 
@@ -75,8 +76,9 @@ def _run(text: str, air: Air, *, away: float, cut_to: str = "") -> tuple[Run, Ru
 
 
 def _values(run: Run, channel: str) -> dict[int, float]:
-    """The values that have passed a channel, with their instants in seconds."""
-    return {int(value): at / SECOND for at, name, value, *_ in run.communications if name == channel}  # type: ignore[call-overload]
+    """The values that have passed a channel, which are whole numbers, with their instants in seconds."""
+    passed = ((cast("int", value), at) for at, name, value, *_ in run.communications if name == channel)
+    return {value: at / SECOND for value, at in passed}
 
 
 def _check(source: Run, sink: Run, *, oldest: float, given_up: int, taken_nevertheless: int = 1) -> None:
