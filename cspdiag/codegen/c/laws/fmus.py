@@ -84,24 +84,30 @@ def _header(item: ExternalCall, name: str, types: CTypes) -> str:
 def library_of(item: ExternalCall) -> str:
     """The path of the binary of an FMU, which is unpacked into the cache. Raises FmuError."""
     path = file_of_fmu(item.external)
-    description = read_description(path)
+    return _library(item, path, read_description(path))
+
+
+def _library(item: ExternalCall, path: str, description: FmuDescription) -> str:
     identifier = description.model_exchange if _is_model_exchange(item, description) else description.co_simulation
     if identifier is None:
-        interface = item.external.target.partition(":")[2]
-        raise FmuError(f"{path} is not made for {interface or 'simulation'}", "export it for co-simulation")
+        raise FmuError(f"{path} is not made for {_interface(item) or 'simulation'}", "export it for co-simulation")
     library = binary(path, description, identifier)
     return os.path.join(extracted(path), library)
 
 
+def _interface(item: ExternalCall) -> str:
+    """The interface that the text chooses; empty if it leaves that to the FMU."""
+    return item.external.target.partition(":")[2]
+
+
 def _is_model_exchange(item: ExternalCall, description: FmuDescription) -> bool:
-    interface = item.external.target.partition(":")[2]
-    return (interface or ("" if description.co_simulation else "ModelExchange")) == "ModelExchange"
+    return (_interface(item) or ("" if description.co_simulation else "ModelExchange")) == "ModelExchange"
 
 
 def _source(item: ExternalCall, name: str, types: CTypes) -> str:
     path = file_of_fmu(item.external)
     description = read_description(path)
-    library, folder = library_of(item), extracted(path)
+    library, folder = _library(item, path, description), extracted(path)
     is_new = description.version == "3.0"
     resources = os.path.join(folder, "resources")
     place = resources + os.sep if is_new else pathlib.Path(resources).as_uri()
