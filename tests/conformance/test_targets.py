@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,7 @@ from tests.conformance.hunt import A_START, hunt
 from tests.conformance.kit import judge, parsed
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments
 from tests.conformance.targets import TARGETS, Target
-from tests.support.thorough import in_turn
+from tests.support.thorough import THOROUGH, in_turn
 
 EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "15"))
 """How many random programs each target is compared on, rounded down to multiples of a start; this, and all of
@@ -23,15 +23,11 @@ EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "15"))
 
 @pytest.fixture
 def target(request: pytest.FixtureRequest) -> Target:
-    target: Target = request.param
+    target: Target = TARGETS[request.param]
     reason = target.unavailable()
     if reason is not None:
         pytest.skip(f"{target.name}: {reason}")
     return target
-
-
-on_every_target = pytest.mark.parametrize("target", TARGETS.values(), ids=TARGETS, indirect=True)
-"""As the outermost mark, so the targets follow each other on one program, whose network and reference are kept."""
 
 
 def assert_certified(target: Target, name: str, limit: int) -> None:
@@ -44,38 +40,38 @@ def assert_certified(target: Target, name: str, limit: int) -> None:
         assert verdict.result == "equal", verdict.details
 
 
-def on_usual_targets(names: Sequence[str]) -> pytest.MarkDecorator:
-    """Each program on the targets that share least, and on one of the others in turn; on all if tests are thorough."""
-    alike = ("python-O1-observed", "python-O1-untraced", "c-O0", "c-O1-observed")
-    in_its_turn = set(in_turn(names, alike))
-    chosen = [
-        pytest.param(target, name, id=f"{target.name}-{name}")
-        for name in names
-        for target in TARGETS.values()
-        if target.name not in alike or (name, target.name) in in_its_turn
-    ]
-    return pytest.mark.parametrize(("target", "name"), chosen, indirect=["target"])
+DISTINCT = ("python-O0", "python-O1", "c-O0-steps", "c-O1")
+"""The targets that share least. Those of one program follow each other: its network and what the reference does are
+kept.
+"""
+ALIKE = ("python-O1-observed", "python-O1-untraced", "c-O1-observed", "c-O0")
 
 
-@on_usual_targets(MODELS)
+@pytest.mark.parametrize(
+    ("name", "target"), sorted([*product(MODELS, DISTINCT), *in_turn(MODELS, ALIKE)]), indirect=["target"]
+)
 def test_model(target: Target, name: str) -> None:
     assert_certified(target, name, 1_200_000_000)
 
 
-@on_usual_targets(PROGRAMS)
+@pytest.mark.parametrize(
+    ("name", "target"),
+    sorted([*product(PROGRAMS, DISTINCT[:2]), *in_turn(PROGRAMS, DISTINCT[2:]), *in_turn(PROGRAMS, ALIKE)]),
+    indirect=["target"],
+)
 def test_program(target: Target, name: str) -> None:
     """Programs on which implementations have disagreed."""
     assert_certified(target, name, 100_000_000)
 
 
-@on_every_target
+@pytest.mark.parametrize("target", TARGETS, indirect=True)
 def test_numbered_lines(target: Target, tmp_path: Path) -> None:
     file = tmp_path / "main.csp"
     file.write_text(numbered_lines.program(), encoding="utf-8")
     assert_certified(target, str(file), 100_000_000)
 
 
-@on_every_target
+@pytest.mark.parametrize("target", TARGETS if THOROUGH else DISTINCT, indirect=True)
 @pytest.mark.parametrize("start", range(EXAMPLES // A_START))
 def test_random_programs(target: Target, start: int) -> None:
     found = hunt(target, A_START, start, shrink=False)
