@@ -41,7 +41,7 @@ hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for 
 	$(BIN)/python -m tests.studio.server.load
 	$(BIN)/python -m tests.analyses.timing.hunt --random 5000
 	$(BIN)/python -m tests.conformance.random --count 5000
-	for programs in nested tuned parametrized; do \
+	for programs in nested turns tuned parametrized; do \
 	    $(BIN)/python -m tests.conformance.random --programs $$programs --count 2000 || exit 1; done
 	for property in deadlock livelock terminates schedulable refines trace; do \
 	    $(BIN)/python -m tests.oracle.hunt --property $$property --count 5000 || exit 1; done

@@ -22,6 +22,7 @@ from tests.conformance.random.nested import nested
 from tests.conformance.random.parametrized import parametrized
 from tests.conformance.random.parts import parts
 from tests.conformance.random.tuned import tuned
+from tests.conformance.random.turns import turns
 
 PYTHON = ("python-O0", "python-O1")
 REPORTED = 100
@@ -33,6 +34,7 @@ GENERATORS = {
     "parts": parts,
     "tuned": tuned,
     "parametrized": parametrized,
+    "turns": turns,
 }
 
 
@@ -78,8 +80,8 @@ def _parser() -> argparse.ArgumentParser:
         choices=sorted(GENERATORS),
         default="meetings",
         help="that communicate often, compute with what is known beforehand, nest interrupts whose guards meet, "
-        "deadlock between parallel parts of a process, or whose parameters change: in laws and arrays of laws, or in "
-        "the place of literals of the others",
+        "deadlock between parallel parts of a process, communicate with one element of an array after the other, or "
+        "whose parameters change: in laws and arrays of laws, or in the place of literals of the others",
     )
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--seconds", type=float, default=None, help="stop after this many seconds")
