@@ -77,7 +77,6 @@ _RENAMED = {
     "if_then": "if_step",
     "if_else": "if_step",
     "named": "named_argument",
-    "reference_named_stop": "reference",
 }
 _WITHOUT_NODE = frozenset(
     [
@@ -107,8 +106,6 @@ class _Builder:
             children = _Trees(_children(parts))
             if rule in _WITHOUT_NODE or (rule == "hidden" and not children):
                 return children
-            if rule == "reference_named_stop":
-                children = _Trees([Tree("identifier", span.start, span.end, ())])
             return _Trees([Tree(name, span.start, span.end, tuple(children))])
 
         return build

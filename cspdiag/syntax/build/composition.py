@@ -61,7 +61,3 @@ class CompositionBuilder(ExpressionBuilder):
     after_guard = node(ast.TimeGuard, "time", at=False)  # after 5 ms
     at_guard = node(ast.TimeGuard, "time", at=True)  # at last + 200 ms
     skip_guard = node(ast.SkipGuard)
-
-    def reference_named_stop(self, span: Span) -> ast.Reference:
-        """A port or variable whose name is ``stop``."""
-        return ast.Reference(span=span, name=ast.Identifier(span=span, text="stop"))

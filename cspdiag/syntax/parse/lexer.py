@@ -19,13 +19,14 @@ CONTEXTUAL_KEYWORDS = frozenset(
 )
 """Keywords where the grammar expects them, names everywhere else."""
 
-_AFTER_A_NAME = re.compile(
-    r"(?:\s|//[^\n]*|/\*[\s\S]*?\*/)*(?:[?!:;.=\[\])}|&]|->|(?:catch|interrupt|until|else)\b|\Z)"
-)
-"""What follows ``at`` in a composition, and ``offset`` after the ports of a submodel, if these are the names of a port,
-a variable or an instance.
+_SPACE = r"(?:\s|//[^\n]*|/\*[\s\S]*?\*/)*"
+_AFTER_AN_OPERAND = re.compile(_SPACE + r"(?:[?!:;.=\[\])}|&]|->|(?:catch|interrupt|until|else)\b|\Z)")
+_AFTER_NO_STEP = re.compile(_SPACE + r"(?:[?!:.]|\[(?!\])|->)")
+_USED_AS_NAME = {"at": _AFTER_AN_OPERAND, "offset": _AFTER_AN_OPERAND, "stop": _AFTER_NO_STEP}
+"""What follows the words that may be a keyword and a name in the same place, if they are the name of a port, a
+variable, an instance or a label: ``at`` and ``stop`` in a composition, ``offset`` after the ports of a submodel.
+``stop`` alone is the step.
 """
-_MAY_BE_NAMES = frozenset({"at", "offset"})
 
 _LOOKALIKES = dict(
     zip(
@@ -155,8 +156,7 @@ class Lexer:
         if kind == "NAME":
             self.text = text = self._texts.setdefault(text, text)
             word = self._words.get(text, "NAME")
-            is_name = word not in accepted or (text in _MAY_BE_NAMES and self._is_used_as_name())
-            if text in CONTEXTUAL_KEYWORDS and is_name:
+            if text in CONTEXTUAL_KEYWORDS and (word not in accepted or self._is_used_as_name()):
                 word = "NAME"
             self.kind = word
         elif kind == "PUNCTUATION":
@@ -200,7 +200,8 @@ class Lexer:
 
     def _is_used_as_name(self) -> bool:
         """Whether the present contextual keyword is used as a name, where both are allowed."""
-        return _AFTER_A_NAME.match(self._text, self.end) is not None
+        following = _USED_AS_NAME.get(self.text)
+        return following is not None and following.match(self._text, self.end) is not None
 
     def reported_on_line(self, offset: int) -> bool:
         """Whether the lexer has reported a mistake in a character, string or comment of this line."""

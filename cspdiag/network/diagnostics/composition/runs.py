@@ -43,6 +43,8 @@ class InstanceNeverRun(Diagnostic):
     def help(self) -> str | None:
         if self.is_named:
             return "let the replicators run every instance that is declared, or declare an array of as many as they run"
+        if self.instance == "stop":
+            return "`stop` by itself is the process that never ends: give the instance another name"
         return f"put `{self.instance}` where it belongs in the composition, or remove the instance"
 
 
