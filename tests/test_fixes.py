@@ -49,6 +49,8 @@ FIXES = [
     ("E0119", PORTS % "  in  x : double;\n  out y : double;", PORTS % "  in  x : double\n  out y : double"),
     ("E0119", PORTS % "  in  x : double, z : int\n  out y : double",
      PORTS % "  in  x : double\n  in  z : int\n  out y : double"),
+    ("E0119", PORTS % "  in  x : double @ 10 ms = 1 // m\n  in  z : double @ 10 ms := 2 * (1 + 1)\n  out y : double",
+     PORTS % "  in  x : double = 1 @ 10 ms // m\n  in  z : double = 2 * (1 + 1) @ 10 ms\n  out y : double"),
     ("E0202", LAW.replace("y =", "let y =") % "angle", LAW % "angle"),
     ("E0204", LAW % "anlge", LAW % "angle"),
     ("E0204", LAW % "Angle", LAW % "angle"),

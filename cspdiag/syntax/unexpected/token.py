@@ -1,14 +1,15 @@
 """Explains why a token is not allowed in its place, in terms of the language, and how to continue reading.
 
 Each function recognizes one kind of mistake: here those of single tokens, in ``structure.py`` those of blocks,
-brackets and operator chains, in ``words.py`` those of single words, in ``habits.py`` forms of other languages. The
-first function that recognizes a situation explains it.
+brackets and operator chains, in ``words.py`` those of single words, in ``defaults.py`` those of defaults, in
+``habits.py`` forms of other languages. The first function that recognizes a situation explains it.
 """
 
 from __future__ import annotations
 
 from cspdiag.base.span import Span
 from cspdiag.syntax.diagnostics.structure import KeywordAsName, UnexpectedText, WrongOperator
+from cspdiag.syntax.unexpected import defaults as defaults
 from cspdiag.syntax.unexpected import habits as habits
 from cspdiag.syntax.unexpected import structure as structure
 from cspdiag.syntax.unexpected import words as words
@@ -117,7 +118,7 @@ def _wrong_operator(situation: Situation) -> Finding | None:
         ("!", "not", "the logical operator"),
     ):
         whole = situation.text == found or (len(found) == 2 and situation.text + following == found)
-        if whole and situation.can(expected):
+        if whole and situation.can(expected) and (expected != "==" or defaults.is_comparison(situation)):
             end = situation.lexer.start + len(found)
             span = Span(situation.source, situation.lexer.start, end)
             wrong = WrongOperator(span, found, expected, purpose, replaced=span)
@@ -162,6 +163,7 @@ _MISTAKES = (
     structure.closes_nothing,
     structure.operators_without_parentheses,
     words.without_period,
+    defaults.default_out_of_place,
     habits.until_without_mu,
     _keyword_as_name,
     habits.counting,
