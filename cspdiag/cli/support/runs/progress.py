@@ -105,7 +105,7 @@ class Progress:
         running = self._running()
         self._note_started_processes()
         modes = "  ".join(f"{group.name}: {self._mode(group, running)}" for group in self._groups if group.modes)
-        return f"{simulated:8.2f} s  {speed:6.1f}x  {modes}"
+        return f"{simulated:8.2f} s  {speed:6.1f}x  {modes}".rstrip()
 
     def _mode(self, group: ModeGroup, running: set[str]) -> str:
         """The processes of a group that are running."""

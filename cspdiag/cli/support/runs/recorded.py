@@ -103,7 +103,7 @@ def _served(place: tuple[str, int], head: RecordingHead) -> FoxgloveSocket:
 
     host, port = place
     try:
-        socket = FoxgloveSocket(head, host, port)
+        socket = FoxgloveSocket(head, host, port, say=lambda fault: say(f"cspdiag: --serve: {fault}"))
     except MissingPackageError as problem:
         raise UsageError(f"--serve: {problem}") from None
     except (OSError, RuntimeError) as problem:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from cspdiag.base.errors import missing_package
 from cspdiag.simulate.record.stored.described import RecordingHead
 from cspdiag.simulate.record.streamed.blocks import Block
+from cspdiag.simulate.record.streamed.client_faults import ClientFaults
 from cspdiag.simulate.record.streamed.mcap.messages import encoded, message_of, topics
 
 _BACKLOG = 1 << 16
@@ -26,9 +27,11 @@ _PATIENCE = 1.0
 
 
 class FoxgloveSocket:
-    """A server for the ports of one run; ``port`` is the number that it has, also if 0 was asked for."""
+    """A server for the ports of one run; ``port`` is the number that it has, also if 0 was asked for. ``say`` is
+    called, in any thread, with the faults of clients.
+    """
 
-    def __init__(self, head: RecordingHead, host: str, port: int) -> None:
+    def __init__(self, head: RecordingHead, host: str, port: int, say: Callable[[str], object]) -> None:
         """Raises MissingPackageError, and OSError or RuntimeError if it cannot listen there."""
         try:
             import foxglove
@@ -64,6 +67,8 @@ class FoxgloveSocket:
             for each, message, topic in zip(head.ports, self._messages, self._topics, strict=True)
         ]
         self.port = int(self._server.port)
+        self._faults = ClientFaults(say)
+        self._faults.begin()
 
     def subscribed(self, topic: str, change: int) -> None:
         """A client has subscribed to a topic (1), or does not want it any more (-1)."""
@@ -90,6 +95,7 @@ class FoxgloveSocket:
         stopping = threading.Thread(target=self._server.stop, name="socket", daemon=True)
         stopping.start()
         stopping.join(_PATIENCE)
+        self._faults.finish()
 
 
 class _Listener:

@@ -78,6 +78,38 @@ def test_a_client_sees_the_values_in_order(program: Path, options: list[str]) ->
     assert more[0][0] > values[-1][0]
 
 
+def test_what_clients_do_wrong_is_said_once_a_kind(program: Path) -> None:
+    process, port = started(program, "--real-time", "--quiet")
+    try:
+        for _ in range(3):
+            with socket.create_connection(("127.0.0.1", port), 10) as nonsense:
+                nonsense.sendall(b"\xff\xfe nonsense\r\n\r\n")
+                nonsense.recv(100)
+            with pytest.raises(websockets.exceptions.InvalidHandshake):
+                asyncio.run(asyncio.wait_for(asked(port, "foxglove.websocket.v1"), 60))
+            asyncio.run(asyncio.wait_for(asked(port, "foxglove.sdk.v1", '{"op": "nonsense"}'), 60))
+            killed = socket.create_connection(("127.0.0.1", port), 10)
+            killed.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            killed.close()
+        asyncio.run(asyncio.wait_for(seen(port, 5), 60))
+    finally:
+        process.terminate()
+        _, said = process.communicate()
+    lines = said.decode().splitlines()
+    assert all(line.startswith("cspdiag: --serve: ") for line in lines), lines
+    assert len(lines) == len(set(lines)), lines
+    assert any("`foxglove.sdk.v1`" in line for line in lines), lines
+    assert any("not understood" in line for line in lines), lines
+
+
+async def asked(port: int, protocol: str, *messages: str) -> None:
+    """A client that asks for a protocol, and sends something."""
+    async with websockets.connect(f"ws://127.0.0.1:{port}", subprotocols=[protocol], close_timeout=0.2) as client:
+        await client.recv()
+        for message in messages:
+            await client.send(message)
+
+
 def test_a_client_that_does_not_read_delays_nothing(program: Path) -> None:
     process, port = started(program, "--for", "300s")
     with socket.create_connection(("127.0.0.1", port)):
