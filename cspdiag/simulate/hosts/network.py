@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import json
+import socket
 import threading
-import time
 from collections.abc import Callable
 from contextlib import suppress
+from queue import SimpleQueue
 from typing import Any
 
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
+from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.hosts.links import PlaceError
 
 _PATIENCE = 1.0
 """Seconds that what was sent last has to reach the other places."""
+_RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
+"""When the first place is looked for again, if it does not listen yet."""
+_LOOK = 0.05
+"""Seconds after which a place that connects looks whether it has to stop."""
 
 
 class ZenohTransport:
@@ -44,20 +50,34 @@ class ZenohTransport:
             ) from None
 
     def _connected(self) -> Any:
-        from cspdiag.runtime.kernel.stopping import stopping
-
         zenoh = _library()
-        settings: dict[str, Any] = {"connect/endpoints": [f"tcp/{self._address}"], "connect/exit_on_failure": True}
-        until = time.monotonic() + self._patience
-        while True:
-            try:
-                return zenoh.open(_config(zenoh, mode="client", **settings, **{"connect/timeout_ms": 500}))
-            except zenoh.ZError as error:
-                stopping.check()
-                if time.monotonic() > until:
-                    raise PlaceError(
-                        f"nobody listens at {self._address}: start the first place there ({_first_line(error)})"
-                    ) from None
+        config = _config(
+            zenoh,
+            mode="client",
+            **{
+                "connect/endpoints": [f"tcp/{self._address}"],
+                "connect/exit_on_failure": True,
+                # One try takes several round trips, so none is ended before the others are.
+                "connect/timeout_ms": round(self._patience * 1000),
+                "connect/retry": _RETRY,
+            },
+        )
+        answers: SimpleQueue[Any] = SimpleQueue()
+        connecting = threading.Thread(target=_open, args=(zenoh, config, answers), name="connecting", daemon=True)
+        with left_to_the_main_thread():
+            connecting.start()
+        while connecting.is_alive():
+            connecting.join(_LOOK)
+            stopping.check()
+        answer = answers.get()
+        if not isinstance(answer, zenoh.ZError):
+            return answer
+        if _accepts(self._address):
+            raise PlaceError(
+                f"what listens at {self._address} does not answer as the first place of a program does"
+                f" ({_first_line(answer)})"
+            )
+        raise PlaceError(f"nobody listens at {self._address}: start the first place there ({_first_line(answer)})")
 
     def send(self, place: str, data: bytes) -> None:
         """See ``Transport.send``."""
@@ -85,6 +105,24 @@ class ZenohTransport:
     def _close(self) -> None:
         with suppress(_library().ZError):
             self._session.close()
+
+
+def _open(zenoh: Any, config: Any, answers: SimpleQueue[Any]) -> None:
+    """Answers with a session, or with why there is none."""
+    try:
+        answers.put(zenoh.open(config))
+    except zenoh.ZError as error:
+        answers.put(error)
+
+
+def _accepts(address: str) -> bool:
+    """Whether there is something that accepts connections."""
+    host, _, port = address.rpartition(":")
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), _PATIENCE).close()
+    except OSError:
+        return False
+    return True
 
 
 def _library() -> Any:

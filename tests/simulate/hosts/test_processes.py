@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import signal
+import socket
+import threading
 from argparse import Namespace
 from pathlib import Path
 
@@ -12,6 +14,8 @@ import pytest
 import cspdiag
 from cspdiag.cli.main import main
 from cspdiag.cli.support.runs.placed import shown_groups
+from cspdiag.simulate.hosts.links import PlaceError
+from cspdiag.simulate.hosts.network import ZenohTransport
 from tests.simulate.hosts.conftest import Start, ended, free_port, pair
 from tests.simulate.hosts.places import eventually
 from tests.simulate.hosts.proxy import Proxy
@@ -49,6 +53,33 @@ def test_a_killed_place_raises_a_time_out_in_the_other_and_outputs_are_released(
     assert code == 1
     assert re.search(r" Timeout: the place `left` has been silent for 1 s, in Pair\.sink", output)
     assert record.read_text().splitlines()[-1].endswith(",7")
+
+
+def test_a_place_connects_over_a_slow_link() -> None:
+    pytest.importorskip("zenoh")
+    port, arrived = free_port(), threading.Event()
+    proxy = Proxy(port, 0.25)
+    first = ZenohTransport(f"127.0.0.1:{port}", "room", listens=True, patience=30)
+    other = ZenohTransport(f"127.0.0.1:{proxy.port}", "room", listens=False, patience=30)
+    try:
+        first.open("first", lambda data: arrived.set())
+        other.open("other", lambda data: None)
+        assert eventually(lambda: other.send("first", b"hello") or arrived.wait(0.1))
+    finally:
+        other.close()
+        first.close()
+        proxy.close()
+
+
+@pytest.mark.parametrize(("listens", "why"), [(True, "does not answer as the first place"), (False, "nobody listens")])
+def test_a_place_that_cannot_connect_says_why(listens: bool, why: str) -> None:
+    pytest.importorskip("zenoh")
+    with socket.create_server(("127.0.0.1", 0)) as stranger:
+        address = f"127.0.0.1:{stranger.getsockname()[1]}"
+        if not listens:
+            stranger.close()
+        with pytest.raises(PlaceError, match=why):
+            ZenohTransport(address, "room", listens=False, patience=0.5).open("other", lambda data: None)
 
 
 def test_a_link_that_was_cut_comes_back(start: Start, tmp_path: Path) -> None:
