@@ -140,8 +140,35 @@ def test_the_turn_and_what_the_process_waits_for_outlast_the_wait() -> None:
     assert "self->v.at[self->turn] = self->received.low;" in text
 
 
-def test_a_loop_in_a_loop_is_written_out() -> None:
-    assert scan("(seq i < 3 : (high[i] ? w ; (seq j < 4 : (low[4 * i + j] ? w))))").count("CSP_AWAIT(") == 1 + 4
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize(
+    ("body", "waits"),
+    [
+        ("(seq i < 3 : (high[i] ? w ; (seq j < 4 : (low[4 * i + j] ? w))))", 2),
+        ("(seq i < 4 : (seq j < 4 : (low[4 * i + j] ? w ; high[j] ? v[i])))", 2),
+        ("(seq i < 4 : (seq j < 4 : (seq k < 4 : (low[4 * i + j] ? v[4 * j + k] ; high[k] ? w))))", 2),
+        ("(seq i < 4 : (high[i] ? w ; if w > 1 then (seq j < 4 : (low[i + j] ? v[j]))))", 2),
+        ("(seq i < 4 : (mu ((seq j < 4 : (low[i + j] ? v[j])) ; high[i] ? w) until w > 1))", 2),
+        ("(seq i < 3 : (seq j < 2 : (low[i] ? w ; high[j] ? w)))", 4),  # too few inside
+        ("(seq i < 2 : (seq j < 3 : (low[i] ? w ; high[j] ? w)))", 4),  # too few around
+        ("(seq i < 3 : (seq j < 3 : (low[2 * i * i + j] ? w)))", 3),  # elements do not count around
+    ],
+)
+def test_loops_in_loops_wait_at_as_many_places_as_the_text_has(body: str, waits: int, level: int) -> None:
+    assert scan(body, level).count("CSP_AWAIT(") == waits
+
+
+def test_each_loop_in_which_the_process_waits_has_a_turn_of_its_own() -> None:
+    text = " ".join(scan("(seq i < 3 : (high[i] ? w ; (seq j < 4 : (low[4 * i + j] ? w))))").split())
+    assert "for (self->turn = 0U; self->turn < 3U; self->turn++) {" in text
+    assert "for (self->turn_2 = 0U; self->turn_2 < 4U; self->turn_2++) {" in text
+    assert "self->awaited = &self->low[4U * self->turn + self->turn_2];" in text
+
+
+def test_a_loop_without_waits_in_one_with_waits_is_counted_by_a_local_variable() -> None:
+    text = " ".join(scan("(seq i < 3 : (high[i] ? w ; (seq j < 4 : total := total + v[j])))").split())
+    assert "for (uint32_t i = 0U; i < 4U; i++) {" in text
+    assert "self->total + self->v.at[i]" in text
 
 
 def test_steps_between_waits_are_counted_by_a_local_variable() -> None:

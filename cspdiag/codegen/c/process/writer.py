@@ -170,7 +170,7 @@ class Writer:
         element = own(member).at(code(VARIABLE))
         body = (self._process_initialization(element.field("process"), name), store(element.field("number"), VARIABLE))
         self.initial.append(For(code(VARIABLE), unsigned(count), body, unsigned(0), "uint32_t"))
-        return code(member).at(Numbered(self.number)).field("process")
+        return code(member).at(Numbered(((self.number, 1),))).field("process")
 
     def _process_initialization(self, process: Code, class_: str) -> Plain:
         number = own("process").field("party").field("number")
@@ -248,7 +248,7 @@ class Writer:
         return self._branch_member(name)
 
     def _branch_member(self, member: str) -> Code:
-        return code(member) if self.current.count is None else code(member).at(Numbered(self.number))
+        return code(member) if self.current.count is None else code(member).at(Numbered(((self.number, 1),)))
 
     def shared_member(self, name: str, type_: str) -> Code:
         """A member that all steps of the present step function share."""

@@ -23,13 +23,12 @@ from cspdiag.codegen.shared.trees import nodes
 
 @record
 class Numbered(Code):
-    """``step * number + first``, where ``number`` is the number of the branch and ``step`` at least 1. An index is
-    unsigned; with ``type_name`` it is a value of that type.
+    """``step * number + first``, where ``number`` is the number of the branch; in loops a sum of several such products.
+    Each ``step`` is at least 1. An index is unsigned; with ``type_name`` it is a value of that type.
     """
 
-    number: str
+    products: tuple[tuple[str, int], ...]
     first: int = 0
-    step: int = 1
     type_name: str | None = None
 
     @property
@@ -45,14 +44,19 @@ class Numbered(Code):
         return self._sum().document
 
     def _sum(self) -> Code:
-        plain = self.type_name is None
-        counted = Atom(self.number) if self.type_name is None else cast(self.type_name, Atom(self.number))
-        if self.step != 1:
-            counted = infix("*", PRODUCT, unsigned(self.step) if plain else code(str(self.step)), counted)
+        whole, *others = [self._product(number, step) for number, step in self.products]
+        for other in others:
+            whole = infix("+", SUM, whole, other)
         if self.first == 0:
-            return counted
-        offset = unsigned(self.first) if plain else code(str(abs(self.first)))
-        return infix("+" if self.first > 0 else "-", SUM, counted, offset)
+            return whole
+        offset = unsigned(self.first) if self.type_name is None else code(str(abs(self.first)))
+        return infix("+" if self.first > 0 else "-", SUM, whole, offset)
+
+    def _product(self, number: str, step: int) -> Code:
+        if self.type_name is None:
+            return Atom(number) if step == 1 else infix("*", PRODUCT, unsigned(step), Atom(number))
+        counted = cast(self.type_name, Atom(number))
+        return counted if step == 1 else infix("*", PRODUCT, code(str(step)), counted)
 
 
 @record
@@ -93,7 +97,7 @@ def at_first(member: Code) -> Code:
 def stride(struct: str, member: Code) -> Code | None:
     """The distance in bytes from the member of one branch to that of the next; None for a member that all share."""
     match member:
-        case Element(operand=array, index=Numbered(step=step)):
+        case Element(operand=array, index=Numbered(products=((_, step),))):
             bytes_ = call("CSP_STRIDE", f"struct {struct}", array)
             return bytes_ if step == 1 else infix("*", PRODUCT, unsigned(step), bytes_)
         case Element(operand=operand) | Postfix(operand=operand):

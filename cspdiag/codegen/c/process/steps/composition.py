@@ -21,7 +21,7 @@ from cspdiag.codegen.c.process.steps.plain_steps import assign_value, discard, r
 from cspdiag.codegen.c.process.steps.scopes import group, report, scope
 from cspdiag.codegen.c.process.steps.turns import TurnFinder, Turns
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import Code, call, ignored, negated, own, unsigned
+from cspdiag.codegen.c.text.code import call, ignored, negated, own, unsigned
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import (
@@ -73,6 +73,8 @@ class CompositionWriter(Writer):
                 return self._repeat(action)
             case ir.WhileLoop():
                 return self._while(action)
+            case Turns():
+                return self._turn_by_turn(action)
             case ir.CountedLoop():
                 return self._counted_loop(action)
             case ir.IfElse():
@@ -107,38 +109,29 @@ class CompositionWriter(Writer):
 
     def _sequence(self, steps: Sequence[ir.Action]) -> list[Statement]:
         statements: list[Statement] = []
-        finder, position = TurnFinder(self.members, steps, self._turn), 0
-        while position < len(steps):
-            turns = self._turns(finder, position)
-            if turns is not None:
-                statements += self._turn_by_turn(turns)
-                position += turns.steps
-                continue
-            step = steps[position]
+        for step in self._with_turns(steps):
             outer, self.inner = self.inner, _law_of(step) or self.inner
             statements += self.statements(step)
             self.inner = outer
             if not can_complete(step):
                 break
-            position += 1
         return statements
 
-    def _turn(self) -> Code:
-        """The member that counts the turns of a loop in which the process waits."""
-        return own(self.shared_member("turn", "uint32_t"))
-
-    def _turns(self, finder: TurnFinder, position: int) -> Turns | None:
-        """The loop that begins with a step; loops in loops, and in branches that share a function, stay unrolled."""
+    def _with_turns(self, steps: Sequence[ir.Action]) -> Sequence[ir.Action]:
+        """The steps with loops in place of those that repeat; in branches that share a function they stay as they
+        are.
+        """
         if self.in_turns or self.current.count is not None:
-            return None
-        return finder.at(position)
+            return steps
+        return TurnFinder(self.members, lambda name: own(self.shared_member(name, "uint32_t"))).rolled(steps)
 
     def _turn_by_turn(self, turns: Turns) -> list[Statement]:
-        self.in_turns = True
+        assert turns.counter is not None
+        outer, self.in_turns = self.in_turns, True
         body = tuple(self.statements(turns.body))
-        self.in_turns = False
-        begin, end = unsigned(0), unsigned(turns.count)
-        return [For(turns.number, end, body, begin, None if turns.waits else "uint32_t")]
+        self.in_turns = outer
+        begin, end = unsigned(0), unsigned(turns.iterations)
+        return [For(turns.counter, end, body, begin, None if turns.waits else "uint32_t")]
 
     def _raise(self, action: ir.RaiseException) -> list[Statement]:
         number = exception_number(self.names, action.exception)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, TypeAlias, TypeVar
 
 from cspdiag.base.record import field_names, is_record, record, replaced
 from cspdiag.base.span import Span
@@ -17,34 +17,46 @@ from cspdiag.network.ir.expressions import LiteralValue, VariableValue
 from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import all_actions, parts
 
+T = TypeVar("T")
+
 _LARGE = 1 << 62
 """From here on the difference of two numbers may not fit in an ``int``."""
 
+Counters: TypeAlias = tuple[tuple[str, int], ...]
+"""What counts the branches, or the turns of each loop around a step, the innermost first; and how many there are."""
+
 
 @record
-class _Name(Counted):
+class _Counted(Counted):
+    """``changes`` are the differences from one branch or turn to the next, by the loops around it, the innermost
+    first.
+    """
+
+    value: int
+    changes: tuple[int, ...]
+
+
+@record
+class _Name(_Counted):
     """An element of an array of channels or instances."""
 
     array: str
-    value: int
 
 
 @record
-class _End(Counted):
+class _End(_Counted):
     """An element of an array of ports."""
 
     port: str
-    value: int
     end: int
 
 
 @record
-class _Number(Counted):
+class _Number(_Counted):
     """An integer."""
 
     type: Type
     span: Span | None
-    value: int
 
 
 class CountableTree:
@@ -60,8 +72,11 @@ class CountableTree:
         """The shape of an action and its numbers: branches of the same shape whose numbers count can share their code.
         None if the action cannot share any.
         """
-        plain = all(map(self._is_plain_step, all_actions(action))) and all(map(self._is_plain_part, parts(action)))
-        return outline(self.tree(action)) if plain else None
+        return outline(self.tree(action)) if self.is_plain(action) else None
+
+    def is_plain(self, action: ir.Action) -> bool:
+        """Whether an action can share its code."""
+        return all(map(self._is_plain_step, all_actions(action))) and all(map(self._is_plain_part, parts(action)))
 
     def _is_plain_step(self, step: ir.Action) -> bool:
         if isinstance(step, ir.RunInstance) and ir.RunInstance in self._shared:
@@ -86,62 +101,66 @@ class CountableTree:
         match item:
             case str():
                 array, index = self._members.arrays.place(item)
-                return item if index is None else _Name(array, index)
+                return item if index is None else _Name(index, (), array)
             case tuple():
                 return tuple([self.tree(part) for part in item])
             case ir.PortEnd(port=port, index=int(index), end=end) if self._members.layout.uniform[port]:
-                return _End(port, index, end)
+                return _End(index, (), port, end)
             case LiteralValue(type=IntType(), value=int(value), name=None) if abs(value) < _LARGE:
-                return _Number(item.type, item.span, value)
+                return _Number(value, (), item.type, item.span)
             case _ if is_record(item):
-                return replaced(item, **{name: self.tree(getattr(item, name)) for name in _inside(item)})
+                return replaced(item, **{name: self.tree(getattr(item, name)) for name in fields_inside(item)})
             case _:  # A number, a Boolean or None.
                 return item
 
 
+def counting(item: T, changes: Iterator[int]) -> T:
+    """The tree of the first branch or turn, with by how much each number changes from one to the next."""
+    found: Any = item
+    if isinstance(item, _Counted):
+        found = replaced(item, changes=(*item.changes, next(changes)))
+    elif isinstance(item, tuple):
+        found = tuple([counting(part, changes) for part in item])
+    elif is_record(item):
+        found = replaced(item, **{name: counting(getattr(item, name), changes) for name in fields_inside(item)})
+    return found  # type: ignore[no-any-return]
+
+
 class Numbering:
-    """Turns the body of the first branch into that of all branches, given by how much each number changes from one
-    branch to the next.
-    """
+    """Turns trees into actions that all branches, or all turns of loops, can share."""
 
-    def __init__(self, members: Members, number: str, count: int, changes: Iterator[int]) -> None:
+    def __init__(self, members: Members) -> None:
         self._members = members
-        self._number = number
-        self._count = count
-        self._changes = changes
 
-    def filled(self, item: Any) -> Any:
-        """The tree with the nodes that may count replaced."""
-        if isinstance(item, Counted):
-            return self._made(item, next(self._changes))
+    def filled(self, item: Any, counters: Counters) -> Any:
+        """The tree with actions in place of the nodes that may count."""
+        if isinstance(item, _Counted):
+            return self._made(item, [(*each, step) for each, step in zip(counters, item.changes, strict=True) if step])
         if isinstance(item, tuple):
-            return tuple([self.filled(part) for part in item])
+            return tuple([self.filled(part, counters) for part in item])
         if is_record(item):
-            return replaced(item, **{name: self.filled(getattr(item, name)) for name in _inside(item)})
+            return replaced(item, **{name: self.filled(getattr(item, name), counters) for name in fields_inside(item)})
         return item
 
-    def _made(self, node: Counted, step: int) -> object:
+    def _made(self, node: _Counted, counted: Sequence[tuple[str, int, int]]) -> object:
+        """The action for a node, with what counts it: the name, how many there are, and by how much it changes."""
+        number = Numbered(tuple([(name, step) for name, _, step in reversed(counted)]), node.value)
         match node:
             case _Name(array=array, value=first):
-                if not step:
-                    return self._members.arrays.element(array, first)
-                return self._members.numbered(array, self._numbered(first, step))
+                return self._members.numbered(array, number) if counted else self._members.arrays.element(array, first)
             case _End(port=port, value=first, end=end):
-                if not step:
+                if not counted:
                     return ir.PortEnd(port, first, end)
-                return NumberedEnd(port=port, index=first, end=end, number=self._numbered(first, step))
+                return NumberedEnd(port=port, index=first, end=end, number=number)
             case _Number(type=type_, span=span, value=first):
-                if not step:
+                if not counted:
                     return LiteralValue(type=type_, span=span, value=first)
-                name = self._members.number(self._numbered(first, step), type_)
-                limits = (first, first + step * (self._count - 1))
-                return VariableValue(type=type_, span=span, channel=name, range=limits)
+                limits = (first, first + sum(step * (count - 1) for _, count, step in counted))
+                return VariableValue(type=type_, span=span, channel=self._members.number(number, type_), range=limits)
             case _:
                 raise AssertionError(f"{type(node).__name__} does not count")
 
-    def _numbered(self, first: int, step: int) -> Numbered:
-        return Numbered(self._number, first, step)
 
-
-def _inside(item: object) -> list[str]:
+def fields_inside(item: object) -> list[str]:
+    """The fields of a record in which names, ends or integers may be."""
     return [name for name in field_names(item) if name not in ("span", "type")]

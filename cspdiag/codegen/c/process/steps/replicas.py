@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.process.steps.counting import CountableTree, Numbering
+from cspdiag.codegen.c.process.steps.counting import CountableTree, Numbering, counting
 from cspdiag.codegen.c.process.struct.members import Members
 from cspdiag.codegen.shared.trees import LEAST
 from cspdiag.network.ir import actions as ir
@@ -48,5 +48,5 @@ def replicas(members: Members, steps: Sequence[ir.Action], start: int, number: s
         count, before = count + 1, found
     if count < LEAST or changes is None:
         return None
-    numbering = Numbering(members, number, count, iter(changes))
-    return Replicas(count, numbering.filled(marked.tree(steps[start])))
+    first = counting(marked.tree(steps[start]), iter(changes))
+    return Replicas(count, Numbering(members).filled(first, ((number, count),)))

@@ -1,20 +1,23 @@
 """Steps in which a process waits, one after another, that differ only in numbers that count: they are a loop in C.
 
 ``seq i < 16 : (low[i] ? v[i])`` has sixteen steps in the network, and one in C. The turn is a member of the process,
-because it has to outlast the waits.
+because it has to outlast the waits. Loops are found from the inside out, so steps that contain loops, or lie between
+them, are a loop themselves where they repeat.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
+from itertools import takewhile
+from typing import Any
 
-from cspdiag.base.record import record
+from cspdiag.base.record import record, replaced
 from cspdiag.codegen.c.process.flow import can_complete
-from cspdiag.codegen.c.process.steps.counting import CountableTree, Numbering
+from cspdiag.codegen.c.process.steps.counting import CountableTree, Counters, Numbering, counting, fields_inside
 from cspdiag.codegen.c.process.struct.members import Members
 from cspdiag.codegen.c.text.code import Atom, Code
 from cspdiag.codegen.c.text.rolling import VARIABLE
-from cspdiag.codegen.shared.trees import LEAST, LONGEST, Outline, repetitions_from
+from cspdiag.codegen.shared.trees import LEAST, LONGEST, Outline, outline, repetitions_from
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.walk import all_actions
 
@@ -25,60 +28,116 @@ _PLAIN = (
 """Steps that need only states, and members that all turns can share."""
 
 
-@record
-class Turns:
-    """A loop for ``steps`` of a sequence: the number of its turns, what counts them, and the body that they share, in
-    which the process ``waits``.
-    """
+@record(kw_only=True)
+class Turns(ir.CountedLoop[Any]):
+    """A loop whose body all turns share; the process ``waits`` in it. In actions, ``counter`` counts the turns."""
 
-    steps: int
-    count: int
-    number: Code
-    body: ir.Action
     waits: bool
+    counter: Code | None = None
+
+
+class _Item:
+    """A step of a sequence, or a loop in place of several: equal places in the text are a hint that items are alike."""
+
+    def __init__(self, place: Hashable, action: ir.Action) -> None:
+        self.place = place
+        self.action = action
+        self.outline: Outline | None = None
+        """None if the code of the item cannot be shared, or before it is asked for."""
+        self.tree: Any = action if isinstance(action, Turns) else None
+        self.is_known = False
 
 
 class TurnFinder:
-    """The loops among the steps of one sequence."""
+    """The loops in the sequences of one process class."""
 
-    def __init__(self, members: Members, steps: Sequence[ir.Action], turn: Callable[[], Code]) -> None:
+    def __init__(self, members: Members, member: Callable[[str], Code]) -> None:
         self._members = members
-        self._turn = turn
-        """Makes the member that counts turns in which the process waits."""
-        self._steps = steps
-        self._tree = CountableTree(members, _PLAIN)
-        self._outlines: dict[int, Outline | None] = {}
+        self._member = member
+        """Makes the member that counts turns in which the process waits, given its name."""
+        self._trees = CountableTree(members, _PLAIN)
+        self._numbering = Numbering(members)
 
-    def at(self, start: int) -> Turns | None:
-        """The loop that begins with a step; None if the steps do not repeat."""
+    def rolled(self, steps: Sequence[ir.Action]) -> list[ir.Action]:
+        """The steps, with loops in place of those that repeat."""
+        actions = [item.action for item in self._items(steps)]
+        return [self._filled(action, ()) if isinstance(action, Turns) else action for action in actions]
+
+    def _items(self, steps: Sequence[ir.Action]) -> list[_Item]:
+        """The items of a sequence: inner loops are found first, and then those that repeat them."""
+        items, before = [_Item(step.span, step) for step in steps], len(steps) + 1
+        while len(items) < before:
+            items, before = self._with_loops(items), len(items)
+        return items
+
+    def _with_loops(self, items: Sequence[_Item]) -> list[_Item]:
+        found: list[_Item] = []
+        position = 0
+        while position < len(items):
+            item, covered = self._at(items, position)
+            found.append(item)
+            position += covered
+        return found
+
+    def _at(self, items: Sequence[_Item], start: int) -> tuple[_Item, int]:
+        """The loop that begins with an item, and how many it replaces; the item itself if it does not repeat."""
         for period in range(1, LONGEST + 1):
-            end = self._end_of_spans(start, period)
-            first = self._steps[start : start + period]
-            if end - start < LEAST * period or not all(map(can_complete, first)):
+            end = _end_of_places(items, start, period)
+            first = items[start : start + period]
+            if end - start < LEAST * period or not all(can_complete(item.action) for item in first):
                 continue
-            times, changes = repetitions_from(self._outlined(start, end), 0, period, _counts)
+            known = map(self._outline, items[start:end])
+            outlines = [each for each in takewhile(lambda each: each is not None, known) if each is not None]
+            times, changes = repetitions_from(outlines, 0, period, _counts)
             if times >= LEAST:
-                waits = any(map(self._waits, first))
-                number = self._turn() if waits else Atom(VARIABLE)
-                numbering = Numbering(self._members, str(number), times, iter(changes))
-                body = tuple(numbering.filled(self._tree.tree(step)) for step in first)
-                whole = ir.SequentialSteps(span=first[0].span, steps=body)
-                return Turns(times * period, times, number, whole, waits)
-        return None
+                waits = any(self._waits(item.action) for item in first)
+                body = counting(tuple([item.tree for item in first]), iter(changes))
+                span = first[0].action.span
+                whole = ir.SequentialSteps(span=span, steps=body)
+                loop = Turns(span=span, body=whole, iterations=times, waits=waits)
+                return _Item(tuple([item.place for item in first]), loop), times * period
+        return items[start], 1
 
-    def _end_of_spans(self, start: int, period: int) -> int:
-        """Up to where each step has the place in the text of the one ``period`` steps before: others are not alike."""
-        end = start + period
-        while end < len(self._steps) and self._steps[end].span == self._steps[end - period].span:
-            end += 1
-        return end
+    def _outline(self, item: _Item) -> Outline | None:
+        if not item.is_known:
+            item.is_known = True
+            if item.tree is None and self._trees.is_plain(item.action):
+                item.tree = self._tree(item.action)
+            item.outline = None if item.tree is None else outline(item.tree)
+        return item.outline
+
+    def _tree(self, action: ir.Action) -> Any:
+        """The tree of an action, with loops in the sequences inside."""
+        if isinstance(action, ir.SequentialSteps):
+            items = self._items(action.steps)
+            return replaced(action, steps=tuple([item.tree or self._tree(item.action) for item in items]))
+        return _mapped(action, self._tree, self._trees.tree)
+
+    def _filled(self, action: Any, around: Counters) -> Any:
+        """The action for a tree, with what counts the turns of the loops around it."""
+        if isinstance(action, Turns):
+            counter = self._counter(action, around)
+            inside = ((str(counter), action.iterations), *around)
+            return replaced(action, counter=counter, body=self._filled(action.body, inside))
+        if isinstance(action, ir.SequentialSteps):
+            return replaced(action, steps=tuple([self._filled(step, around) for step in action.steps]))
+        return _mapped(
+            action, lambda inner: self._filled(inner, around), lambda part: self._numbering.filled(part, around)
+        )
+
+    def _counter(self, turns: Turns, around: Counters) -> Code:
+        number = sum(turns.waits or name.startswith(VARIABLE) for name, _ in around)
+        suffix = f"_{number + 1}" if number else ""
+        return self._member(f"turn{suffix}") if turns.waits else Atom(f"{VARIABLE}{suffix}")
 
     def _waits(self, action: ir.Action) -> bool:
         """Whether the process may wait in an action."""
         for step in all_actions(action):
             match step:
-                case ir.WaitStep():
+                case Turns(waits=True) | ir.WaitStep():
                     return True
+                case Turns():  # Its body is a tree.
+                    return False
                 case ir.ReadValue(source=source) if not self._members.source(source).never_waits:
                     return True
                 case ir.WriteValue(sink=sink) if not self._members.sink(sink).never_waits:
@@ -87,17 +146,21 @@ class TurnFinder:
                     pass
         return False
 
-    def _outlined(self, start: int, end: int) -> list[Outline]:
-        """The outlines of the steps up to ``end``, or up to one that cannot be shared."""
-        found: list[Outline] = []
-        for position in range(start, end):
-            if position not in self._outlines:
-                self._outlines[position] = self._tree.outline(self._steps[position])
-            outline = self._outlines[position]
-            if outline is None:
-                break
-            found.append(outline)
-        return found
+
+def _mapped(action: Any, inner: Callable[[Any], Any], part: Callable[[Any], Any]) -> Any:
+    """An action with its ``inner`` actions, and what else is a ``part`` of it, replaced."""
+    fields = {name: getattr(action, name) for name in fields_inside(action)}
+    return replaced(
+        action, **{name: (inner if isinstance(each, ir.Step) else part)(each) for name, each in fields.items()}
+    )
+
+
+def _end_of_places(items: Sequence[_Item], start: int, period: int) -> int:
+    """Up to where each item has the place in the text of the one ``period`` items before: others are not alike."""
+    end = start + period
+    while end < len(items) and items[end].place == items[end - period].place:
+        end += 1
+    return end
 
 
 def _counts(changes: Sequence[int]) -> bool:

@@ -60,7 +60,7 @@ class NumberedEnd(PortEnd):
     branch.
     """
 
-    number: Numbered = Numbered("")
+    number: Numbered = Numbered(())
 
 
 @dataclass
