@@ -123,6 +123,10 @@ class DividedRun(NetworkRun):
         self._rounds: dict[str, deque[tuple[Any, ...]]] = {other: deque() for other in self._division.others}
         self._round = 0
         self._ready: set[str] = set()
+        self._arrived: list[tuple[str, tuple[Any, ...]]] = []
+        """The items that were received and not yet taken over; some may come before the run begins here."""
+        self._limit_is_reached = False
+        """Whether another place has come to the time limit, which is also that of this one."""
         self._doom: PartnerLost | None = None
         """Why the run has to end: another place has."""
         self._raise_again = 0.0
@@ -164,9 +168,8 @@ class DividedRun(NetworkRun):
                 case _:  # It is about a channel.
                     self._crossings.hear(place, what, *rest)
 
-    def _receive(self) -> list[tuple[str, tuple[Any, ...]]]:
-        """What has arrived since the last time, without what is about the places themselves."""
-        arrived = []
+    def _receive(self) -> None:
+        """Notes what has arrived since the last time."""
         inbox = self._links.inbox
         while inbox:
             place, message = inbox.popleft()
@@ -178,11 +181,11 @@ class DividedRun(NetworkRun):
             elif what == "round":
                 self._rounds[place].append(tuple(rest))
             else:
-                arrived.append((place, message))
-        return arrived
+                self._arrived += [(place, tuple(item)) for item in rest[0]]
 
     def _hear_end(self, place: str, ended: str, why: str) -> None:
         self._links.by_place[place].over = True
+        self._limit_is_reached |= ended == "time limit"
         if ended not in ("terminated", "time limit"):
             self._doom = PartnerLost(f"the place `{place}` has ended: {why}")
 
@@ -328,13 +331,15 @@ class DividedRun(NetworkRun):
             self._links.send(other, ("items", items))
 
     def _has_news(self) -> bool:
-        return super()._has_news() or bool(self._links.inbox or self._links.lost)
+        return super()._has_news() or bool(self._links.inbox or self._arrived or self._links.lost)
 
     def _take_over(self, instant: int | None) -> None:
         super()._take_over(instant)
         arrived = defaultdict[str, list[tuple[Any, ...]]](list)
-        for place, (_, items) in self._receive():
-            arrived[place] += items
+        self._receive()
+        for place, item in self._arrived:
+            arrived[place].append(item)
+        self._arrived.clear()
         for place, items in arrived.items():
             self._hear(place, without_withdrawn(items))
         if self._links.lost and time.monotonic() >= self._raise_again:
@@ -356,7 +361,7 @@ class DividedRun(NetworkRun):
     def _can_continue(self) -> bool:
         if self._doom is not None:
             raise RunFailed(self._doom)
-        return bool(self._present) or super()._can_continue()
+        return bool(self._present) or self._limit_is_reached or super()._can_continue()
 
 
 def _ending(path: str, error: BaseException | None) -> tuple[Any, ...]:
