@@ -41,6 +41,10 @@ class PlaceError(CspdiagError):
     """The places of a program cannot run together; the message is one line."""
 
 
+class DifferentProgramError(PlaceError):
+    """Two places do not run the same."""
+
+
 class Transport(Protocol):
     """Brings bytes to places, as a rule."""
 
@@ -59,16 +63,17 @@ class Transport(Protocol):
 
 class Frame(NamedTuple):
     """What is sent. ``instance`` is the process that has the place, ``known`` the one that it takes for the receiver;
-    ``program`` says what it runs. ``number`` is that of the first of ``messages``. ``stamp`` is its clock in
-    nanoseconds; ``echo`` is that of the receiver when it sent the last frame that arrived, and since when it is here.
-    Each message is written once, when it is sent first: sending it again needs no type of the program, which may have
-    ended by then.
+    ``program`` says what it runs, and ``begun`` whether it has found all places. ``number`` is that of the first of
+    ``messages``. ``stamp`` is its clock in nanoseconds; ``echo`` is that of the receiver when it sent the last frame
+    that arrived, and since when it is here. Each message is written once, when it is sent first: sending it again needs
+    no type of the program, which may have ended by then.
     """
 
     place: str
     instance: str
     known: str
     program: tuple[tuple[str, str], ...]
+    begun: bool
     number: int
     acknowledged: int
     stamp: int
@@ -211,6 +216,7 @@ class Links:
             instance=self._instance,
             known=link.instance,
             program=self._program,
+            begun=self.begun,
             number=numbers[0],
             acknowledged=link.received,
             stamp=now,
@@ -255,7 +261,7 @@ class Links:
         link = self.by_place.get(frame.place)
         if link is None:
             if frame.place == self.place and frame.instance != self._instance:
-                self._fail(f"another process has the place `{self.place}`, too")
+                self._fail(PlaceError(f"another process has the place `{self.place}`, too"))
             return
         with self._changed:
             if self._is_partner(link, frame):
@@ -267,11 +273,12 @@ class Links:
         """Whether a frame comes from the process that has the place, and is for this one."""
         if frame.program != self._program:
             self._transmit(link)  # So that the other place sees the difference, too, before this one leaves.
-            self._fail(_difference(frame.place, dict(self._program), dict(frame.program)))
+            difference = _difference(frame.place, dict(self._program), dict(frame.program))
+            self._fail(DifferentProgramError(difference))
             return False
         if frame.known not in ("", self._instance):
             if link.knows != self._instance:
-                self._fail(f"another process has the place `{self.place}`, or had it a second ago")
+                self._fail(PlaceError(_taken(self.place, begun=frame.begun)))
             return False
         if link.instance and frame.instance != link.instance:
             self._transmit(link)  # Which reports to it that another process has its place.
@@ -310,11 +317,17 @@ class Links:
             link.waiting.popleft()
             link.since, link.pause = now, link.shortest_pause
 
-    def _fail(self, why: str) -> None:
+    def _fail(self, problem: PlaceError) -> None:
         if self.problem is None:
-            self.problem = PlaceError(why)
+            self.problem = problem
         with self._changed:
             self._changed.notify_all()
+
+
+def _taken(place: str, *, begun: bool) -> str:
+    if begun:
+        return f"the run has begun with another process in the place `{place}`, which none can replace: start all again"
+    return f"another process has the place `{place}`, or had it a second ago"
 
 
 def _difference(other: str, own: dict[str, str], theirs: dict[str, str]) -> str:

@@ -17,7 +17,7 @@ from cspdiag.simulate.hosts.links import PlaceError
 _PATIENCE = 1.0
 """Seconds that what was sent last has to reach the other places."""
 _RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
-"""When the first place is looked for again, if it does not listen yet."""
+"""When to try again to connect, if the first place does not listen yet."""
 _LOOK = 0.05
 """Seconds after which a place that connects looks whether it has to stop."""
 

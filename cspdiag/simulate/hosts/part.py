@@ -12,7 +12,7 @@ from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.runtime import Network
 from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.hosts.division import divided
-from cspdiag.simulate.hosts.links import Links, PlaceError, Transport
+from cspdiag.simulate.hosts.links import DifferentProgramError, Links, PlaceError, Transport
 from cspdiag.simulate.hosts.messages import Codec
 from cspdiag.simulate.hosts.run import DividedNetwork
 from cspdiag.simulate.run.package import LoadedPackage
@@ -69,8 +69,7 @@ class Part:
         while missing := links.missing:
             links.wait(0.05)
             stopping.check()
-            if links.problem is not None:
-                raise links.problem
+            _give_up_if_hopeless(links)
             if not said and time.monotonic() - since > 0.5:
                 said = True
                 self._say(f"waiting for {_listed(missing)}")
@@ -84,6 +83,17 @@ class Part:
         """Leaves."""
         if self.links is not None:
             self.links.close()
+
+
+def _give_up_if_hopeless(links: Links) -> None:
+    """Raises PlaceError if the places cannot run together, as this one sees or another one has reported."""
+    for place, (what, *rest) in tuple(links.inbox):
+        if what == "bye":
+            raise PlaceError(f"the place `{place}` has ended: {rest[1]}")
+    if isinstance(links.problem, DifferentProgramError):
+        links.broadcast(("bye", "failed", str(links.problem)))
+    if links.problem is not None:
+        raise links.problem
 
 
 def fingerprint(files: Mapping[str, str]) -> str:
