@@ -15,8 +15,8 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Sequence
+from secrets import token_hex
 from typing import Any, Final, NamedTuple, Protocol
-from uuid import uuid4
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
@@ -25,7 +25,8 @@ from cspdiag.simulate.hosts.messages import BadMessageError, Codec
 
 PATIENCE: Final = 1.0
 """Seconds without an answer after which a place is lost."""
-_BEAT: Final = 0.1
+_BEAT: Final = 0.2
+"""Seconds after which a frame follows the last one, also without a message."""
 _BEAT_OF_LOST: Final = 0.25
 """Frames that wait in a slow network come before those that follow when it is back."""
 _AGAIN: Final = 0.05
@@ -33,7 +34,7 @@ _AGAIN: Final = 0.05
 long each further time.
 """
 _SELDOM: Final = 0.4
-"""The longest such time: a network that is slow must not get more to do than it can."""
+"""The longest such time, or two round trips: a network that is slow must not get more to do than it can."""
 _LOOK: Final = 0.02
 
 
@@ -63,10 +64,10 @@ class Transport(Protocol):
 
 class Frame(NamedTuple):
     """What is sent. ``instance`` is the process that has the place, ``known`` the one that it takes for the receiver;
-    ``program`` says what it runs, and ``begun`` whether it has found all places. ``number`` is that of the first of
-    ``messages``. ``stamp`` is its clock in nanoseconds; ``echo`` is that of the receiver when it sent the last frame
-    that arrived, and since when it is here. Each message is written once, when it is sent first: sending it again needs
-    no type of the program, which may have ended by then.
+    ``program`` says what it runs, unless the receiver knows, and ``begun`` whether it has found all places. ``number``
+    is that of the first of ``messages``. ``stamp`` is its clock in nanoseconds; ``echo`` is that of the receiver when
+    it sent the last frame that arrived, and since when it is here. Each message is written once, when it is sent first:
+    sending it again needs no type of the program, which may have ended by then.
     """
 
     place: str
@@ -118,7 +119,11 @@ class Link:
     @property
     def shortest_pause(self) -> float:
         """The pause before messages are sent again for the first time."""
-        return min(max(_AGAIN, 2 * self.recent), _SELDOM)
+        return max(_AGAIN, 2 * self.recent)
+
+    def lengthen_pause(self) -> None:
+        """They are sent again."""
+        self.pause = max(min(2 * self.pause, _SELDOM), self.shortest_pause)
 
 
 class Links:
@@ -137,7 +142,7 @@ class Links:
         """Whether all places are there: no other process may have one from now on."""
         self.problem: PlaceError | None = None
         """Why the places cannot run together."""
-        self._instance = uuid4().hex
+        self._instance = token_hex(8)
         self._program = tuple(program.items())
         self._transport = transport
         self._codec = codec
@@ -215,7 +220,7 @@ class Links:
             place=self.place,
             instance=self._instance,
             known=link.instance,
-            program=self._program,
+            program=() if link.knows == self._instance else self._program,
             begun=self.begun,
             number=numbers[0],
             acknowledged=link.received,
@@ -248,7 +253,8 @@ class Links:
 
     def _repeat(self, link: Link, now: float) -> None:
         """Sends again what waits."""
-        link.since, link.pause = now, min(2 * link.pause, _SELDOM)
+        link.since = now
+        link.lengthen_pause()
         self._transmit(link, link.waiting)
 
     def _arrived(self, data: bytes) -> None:
@@ -271,7 +277,7 @@ class Links:
 
     def _is_partner(self, link: Link, frame: Frame) -> bool:
         """Whether a frame comes from the process that has the place, and is for this one."""
-        if frame.program != self._program:
+        if frame.program and frame.program != self._program:
             self._transmit(link)  # So that the other place sees the difference, too, before this one leaves.
             difference = _difference(frame.place, dict(self._program), dict(frame.program))
             self._fail(DifferentProgramError(difference))

@@ -140,6 +140,21 @@ def test_a_process_that_was_started_again_learns_that_the_run_has_begun() -> Non
         assert [place.result(timeout=60).outcome.ended for place in (left, right)] == ["terminated", "terminated"]
 
 
+def test_places_that_know_each_other_do_not_repeat_what_they_run() -> None:
+    air, frames = Air(), list[bytes]()
+    program = {"program": "the digest of all that is generated"}
+    left = Links(air.transport(), Codec(None), "left", ["right"], program)
+    right = Links(air.transport(), Codec(None), "right", ["left"], program)
+    left.open()
+    right.open()
+    assert eventually(lambda: not left.missing and not right.missing)
+    air.join("right", frames.append)
+    assert eventually(lambda: len(frames) > 3)
+    left.close()
+    right.close()
+    assert b"the digest" not in b"".join(frames[1:])  # The first was perhaps on its way.
+
+
 def test_a_lost_link_raises_a_time_out_that_can_be_caught_and_comes_back() -> None:
     air = Air()
     with ThreadPoolExecutor() as pool:
