@@ -1,10 +1,16 @@
-"""Bytes between places over Zenoh: the first place listens at the address, the others connect to it."""
+"""Bytes between places over Zenoh: the first place listens at the address, the others connect to it.
+
+What two of the others send to each other goes through the first place, and also directly, where they can reach each
+other: so it arrives although the first place is gone, or although a firewall lets in the port of the first place only.
+Frames that arrive twice do no harm.
+"""
 
 from __future__ import annotations
 
 import json
 import socket
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from queue import SimpleQueue
@@ -18,6 +24,7 @@ _PATIENCE = 1.0
 """Seconds that what was sent last has to reach the other places."""
 _RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
 """When to try again to connect, if the first place does not listen yet."""
+_DIRECTLY = "directly"
 _LOOK = 0.05
 """Seconds after which a place that connects looks whether it has to stop."""
 
@@ -31,12 +38,19 @@ class ZenohTransport:
         self._listens = listens
         self._patience = patience
         self._session: Any = None
-        self._publishers: dict[str, Any] = {}
+        self._direct: Any = None
+        """The session of a place that is not the first with the others that are not, if there is one."""
+        self._publishers: dict[str, tuple[Any, ...]] = {}
 
     def open(self, place: str, arrived: Callable[[bytes], None]) -> None:
         """See ``Transport.open``."""
         self._session = self._listening() if self._listens else self._connected()
         self._session.declare_subscriber(f"{self._room}/{place}", lambda sample: arrived(sample.payload.to_bytes()))
+        if not self._listens:
+            self._direct = self._directly_connected()
+        if self._direct is not None:
+            key = f"{self._room}/{_DIRECTLY}/{place}"
+            self._direct.declare_subscriber(key, lambda sample: arrived(sample.payload.to_bytes()))
 
     def _listening(self) -> Any:
         zenoh = _library()
@@ -79,32 +93,53 @@ class ZenohTransport:
             )
         raise PlaceError(f"nobody listens at {self._address}: start the first place there ({_first_line(answer)})")
 
+    def _directly_connected(self) -> Any:
+        """A session whose partners learn of each other from the first place."""
+        zenoh = _library()
+        endpoints = {
+            "listen/endpoints": [f"tcp/{_own_address(self._address)}:0"],
+            "connect/endpoints": [f"tcp/{self._address}"],
+            "connect/exit_on_failure": False,
+            "connect/timeout_ms": 0,
+        }
+        try:
+            return zenoh.open(_config(zenoh, mode="peer", **endpoints))
+        except zenoh.ZError:
+            return None
+
     def send(self, place: str, data: bytes) -> None:
         """See ``Transport.send``."""
         zenoh = _library()
-        publisher = self._publishers.get(place)
-        if publisher is None:
-            publisher = self._publishers[place] = self._session.declare_publisher(
-                f"{self._room}/{place}", express=True, congestion_control=zenoh.CongestionControl.DROP
+        publishers = self._publishers.get(place)
+        if publishers is None:
+            ways = [(self._session, place), (self._direct, f"{_DIRECTLY}/{place}")]
+            publishers = self._publishers[place] = tuple(
+                session.declare_publisher(
+                    f"{self._room}/{key}", express=True, congestion_control=zenoh.CongestionControl.DROP
+                )
+                for session, key in ways
+                if session is not None
             )
-        try:
-            publisher.put(data)
-        except zenoh.ZError:
-            return  # It is sent again.
+        for publisher in publishers:
+            with suppress(zenoh.ZError):  # It is sent again.
+                publisher.put(data)
 
     def close(self) -> None:
         """See ``Transport.close``."""
-        if self._session is None:
-            return
         # Over a link that is gone it waits for ten seconds, and then fails.
-        closing = threading.Thread(target=self._close, name="link", daemon=True)
+        sessions = [session for session in (self._session, self._direct) if session is not None]
+        closing = [threading.Thread(target=_close, args=(each,), name="link", daemon=True) for each in sessions]
+        until = time.monotonic() + _PATIENCE
         with left_to_the_main_thread():
-            closing.start()
-        closing.join(_PATIENCE)
+            for thread in closing:
+                thread.start()
+        for thread in closing:
+            thread.join(max(0.0, until - time.monotonic()))
 
-    def _close(self) -> None:
-        with suppress(_library().ZError):
-            self._session.close()
+
+def _close(session: Any) -> None:
+    with suppress(_library().ZError):
+        session.close()
 
 
 def _open(zenoh: Any, config: Any, answers: SimpleQueue[Any]) -> None:
@@ -113,6 +148,18 @@ def _open(zenoh: Any, config: Any, answers: SimpleQueue[Any]) -> None:
         answers.put(zenoh.open(config))
     except zenoh.ZError as error:
         answers.put(error)
+
+
+def _own_address(address: str) -> str:
+    """The address of this machine at which those that are near another one reach it, too."""
+    host, _, port = address.rpartition(":")
+    with suppress(OSError):
+        for family, kind, protocol, _, place in socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_DGRAM):
+            with socket.socket(family, kind, protocol) as probe:
+                probe.connect(place)
+                own = str(probe.getsockname()[0])
+                return f"[{own}]" if ":" in own else own
+    return "127.0.0.1"
 
 
 def _accepts(address: str) -> bool:

@@ -6,6 +6,7 @@ import re
 import signal
 import socket
 import threading
+import time
 from argparse import Namespace
 from pathlib import Path
 
@@ -55,6 +56,11 @@ def test_a_killed_place_raises_a_time_out_in_the_other_and_outputs_are_released(
     assert record.read_text().splitlines()[-1].endswith(",7")
 
 
+def _reaches(transport: ZenohTransport, place: str, arrived: threading.Event) -> bool:
+    transport.send(place, b"hello")
+    return arrived.wait(0.1)
+
+
 def test_a_place_connects_over_a_slow_link() -> None:
     pytest.importorskip("zenoh")
     port, arrived = free_port(), threading.Event()
@@ -64,11 +70,32 @@ def test_a_place_connects_over_a_slow_link() -> None:
     try:
         first.open("first", lambda data: arrived.set())
         other.open("other", lambda data: None)
-        assert eventually(lambda: other.send("first", b"hello") or arrived.wait(0.1))
+        assert eventually(lambda: _reaches(other, "first", arrived))
     finally:
         other.close()
         first.close()
         proxy.close()
+
+
+@pytest.mark.parametrize("reachable", [True, False])
+def test_places_that_are_not_the_first_reach_each_other(reachable: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("zenoh")
+    if not reachable:
+        monkeypatch.setattr(ZenohTransport, "_directly_connected", lambda _: None)
+    address, arrived = f"127.0.0.1:{free_port()}", threading.Event()
+    first, second, third = (ZenohTransport(address, "room", listens=at == 0, patience=30) for at in range(3))
+    try:
+        first.open("first", lambda data: None)
+        second.open("second", lambda data: None)
+        third.open("third", lambda data: arrived.set())
+        assert eventually(lambda: _reaches(second, "third", arrived))
+        first.close()
+        time.sleep(0.2)
+        arrived.clear()
+        assert eventually(lambda: _reaches(second, "third", arrived), 2) == reachable
+    finally:
+        for transport in (first, second, third):
+            transport.close()
 
 
 @pytest.mark.parametrize(("listens", "why"), [(True, "does not answer as the first place"), (False, "nobody listens")])
