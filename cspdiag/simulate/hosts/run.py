@@ -60,10 +60,22 @@ class DividedNetwork(Network):
         self.channels = _channels(self.process)
         self.ended: list[tuple[str, BaseException | None]] = []
         """The instances of this place that have ended, with their exceptions, since the other places were notified."""
-        self.awaited = ""
-        """The place that a run in virtual time waits for now, to agree with it on the next instant; "" for none."""
+        self._awaited = ""
+        self._awaited_since = 0.0
         replaced = replace_instances(self.process, self._replacement)
         self.elsewhere = {path: part for path, part in replaced.items() if isinstance(part, Elsewhere)}
+
+    @property
+    def awaited(self) -> str:
+        """The place that a run in virtual time has been waiting for, to agree with it on the next instant, for longer
+        than two places that do so at once; "" for none.
+        """
+        return self._awaited if time.monotonic() - self._awaited_since > PATIENCE else ""
+
+    def wait_for(self, place: str) -> None:
+        """Note that the run waits for a place from now on, if it does not yet; "" for none."""
+        if place != self._awaited:
+            self._awaited, self._awaited_since = place, time.monotonic()
 
     def _replacement(self, instance: Process) -> Process:
         place = self.division.place_of_path(instance.name)
@@ -296,9 +308,9 @@ class DividedRun(NetworkRun):
             while not self._rounds[other] and not self._links.by_place[other].over:
                 self._receive()
                 if not self._rounds[other] and not self._links.by_place[other].over:
-                    self._network.awaited = other
+                    self._network.wait_for(other)
                     self._wait_for_messages()
-            self._network.awaited = ""
+            self._network.wait_for("")
             if self._rounds[other]:
                 *vote, items = self._rounds[other].popleft()
                 votes.append(tuple(vote))

@@ -50,7 +50,7 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
     standstill = None
     # In real time it continues.
     if not arguments.quiet and not arguments.real_time:
-        standstill = Standstill(recorder, network.class_named(network.top).definition)
+        standstill = Standstill(recorder, network.class_named(network.top).definition, _fmus(arguments, network))
     watchers = [watcher for watcher in (progress, standstill, endless) if watcher is not None]
     run = RequestedRun(arguments, network, until, recorder, given, watchers)
     try:
@@ -60,6 +60,19 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
         raise UsageError(str(problem)) from None
     except (BodyError, CompilerError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
+
+
+def _fmus(arguments: Namespace, network: CoreNetwork) -> list[str]:
+    """The files of the FMUs that the environment has."""
+    from cspdiag.network.ir.external import external_calls, file_of_fmu
+    from cspdiag.simulate.run.execute import NoEnvironmentError, chosen_environment
+
+    try:
+        environment = chosen_environment(network, arguments.environment)
+    except NoEnvironmentError as problem:
+        raise UsageError(str(problem)) from None
+    bodies = (call.external for call in (() if environment is None else external_calls(environment)))
+    return [file_of_fmu(body) for body in bodies if body.language == "fmu"]
 
 
 def _recorded_ports(arguments: Namespace, network: CoreNetwork) -> dict[str, Type] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
@@ -33,7 +34,10 @@ class ObservedProgram(Protocol):
 class RunningPlace(Protocol):
     """The network of a place that runs; see ``DividedNetwork``."""
 
-    awaited: str
+    @property
+    def awaited(self) -> str:
+        """The other place that it waits for; "" for none."""
+        ...
 
     @property
     def now(self) -> int:
@@ -91,13 +95,16 @@ class Standstill:
     """Observes the time of a run in virtual time from a thread of its own, so the run is not slowed down.
 
     Used as a context manager around the run; ``attach`` must be called when the network exists. ``top`` is the
-    outermost process. Reports once if the instant is the same in two observations, ``patience`` seconds apart
-    (``PATIENCE`` unless given).
+    outermost process, and ``fmus`` are the files of the FMUs that the environment has. Reports once if the instant is
+    the same in two observations, ``patience`` seconds apart (``PATIENCE`` unless given).
     """
 
-    def __init__(self, recorder: Recorder, top: str, patience: float | None = None) -> None:
+    def __init__(
+        self, recorder: Recorder, top: str, fmus: Sequence[str] = (), *, patience: float | None = None
+    ) -> None:
         self._recorder = recorder
         self._top = top
+        self._fmus = fmus
         self._patience = PATIENCE if patience is None else patience
         self._network: ObservedProgram | None = None
         self._ended = threading.Event()
@@ -137,8 +144,11 @@ class Standstill:
         """The message at an instant in nanoseconds; ``places`` are those of the running processes, and ``awaited`` is a
         place of the program on another host.
         """
+        stands_still = f"cspdiag: simulated time stands still at {now / 1e9:g} s"
         if awaited and not places:
-            return f"cspdiag: simulated time stands still at {now / 1e9:g} s, waiting for the place `{awaited}`"
+            return f"{stands_still}, waiting for the place `{awaited}`"
+        if self._fmus and not places:
+            return f"{stands_still}: no process is at work, so perhaps {' or '.join(self._fmus)}: Ctrl-C ends the run"
         prefix = f"{self._top}."
         # A copy in one step, because the scheduler's thread continues meanwhile.
         names = [path.removeprefix(prefix) for path in list(self._recorder.running) if path != self._top]
@@ -146,6 +156,6 @@ class Standstill:
         running = f", with {', '.join(names[:_MOST_NAMES])}{more} running" if names else ""
         at_work = f"; at work: {', '.join(places)}" if places else ""
         return (
-            f"cspdiag: simulated time stands still at {now / 1e9:g} s{running}{at_work}: Ctrl-C ends the run, "
+            f"{stands_still}{running}{at_work}: Ctrl-C ends the run, "
             f"and verify shows which process runs forever without passing a port (assert {self._top} livelock free)"
         )

@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 
 from cspdiag.cli.support.runs.standstill import ProgramInPlace, Standstill
+from cspdiag.simulate.hosts.links import PATIENCE
+from cspdiag.simulate.hosts.run import DividedNetwork
 from cspdiag.simulate.record.recorder import Recorder
 
 
@@ -62,6 +64,28 @@ def test_who_waits_for_another_place_says_so(capsys: pytest.CaptureFixture[str])
         standstill.attach(ProgramInPlace(_Clock(step=0, checks=2, awaited="right")))
         standstill.thread.join()
     assert capsys.readouterr().err == "cspdiag: simulated time stands still at 2 s, waiting for the place `right`\n"
+
+
+def test_a_place_that_answers_all_the_time_is_not_waited_for() -> None:
+    network = object.__new__(DividedNetwork)
+    network._awaited, network._awaited_since = "", 0.0
+    for _ in range(3):
+        network.wait_for("right")
+        assert network.awaited == ""
+        network.wait_for("")
+    network.wait_for("right")
+    network._awaited_since -= 2 * PATIENCE
+    network.wait_for("right")
+    assert network.awaited == "right"
+
+
+def test_an_fmu_that_may_compute_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    with Standstill(_recorder("c"), "Top", ["Slow.fmu"], patience=0.001) as standstill:
+        standstill.attach(_Clock(step=0, checks=2))
+        standstill.thread.join()
+    assert capsys.readouterr().err == (
+        "cspdiag: simulated time stands still at 2 s: no process is at work, so perhaps Slow.fmu: Ctrl-C ends the run\n"
+    )
 
 
 def test_nothing_is_reported_while_time_advances(capsys: pytest.CaptureFixture[str]) -> None:
