@@ -28,7 +28,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.operators import infix
-from cspdiag.codegen.python.text.rolling import template
+from cspdiag.codegen.python.text.rolling import rolled_steps, template
 from cspdiag.codegen.python.text.statements import (
     BREAK,
     RAISE,
@@ -45,6 +45,7 @@ from cspdiag.codegen.python.text.statements import (
     repeat,
     run,
     try_,
+    waits,
 )
 from cspdiag.codegen.shared.branches import branch_name, runs_in_order, runs_instances
 from cspdiag.codegen.shared.trees import LEAST
@@ -142,8 +143,8 @@ class Composition(Alternatives, LawSteps):
             if law:
                 yield from self._law(list(group))
             else:
-                for step in group:
-                    yield from self.statements(step)
+                groups = [self.statements(step) for step in group]
+                yield from rolled_steps(groups, self.spelling.members.index_around, waits)
 
     # Control flow
 

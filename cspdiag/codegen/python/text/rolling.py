@@ -31,7 +31,7 @@ from cspdiag.codegen.python.text.code import (
     counted_to,
 )
 from cspdiag.codegen.python.text.operators import infix
-from cspdiag.codegen.python.text.statements import Statement, Statements, repeat
+from cspdiag.codegen.python.text.statements import Statements, repeat
 from cspdiag.codegen.shared.trees import LEAST, Outline, outline, refilled, repeated, repetitions_from
 
 T = TypeVar("T")
@@ -153,23 +153,38 @@ def _template(first: T, outlines: Iterable[Outline], variable: str, start: int) 
     return _refilled(first, counted)
 
 
-def rolled_steps(groups: Sequence[Statements], variable: str) -> Statements:
-    """Consecutive groups of statements; at least three that are equal except for an index become a loop."""
+def rolled_steps(
+    groups: Sequence[Statements],
+    index_around: Callable[[Sequence[Statements]], str],
+    is_worth_it: Callable[[Statements], bool] = lambda _: True,
+) -> Statements:
+    """Consecutive groups of statements; at least three that are equal except for an index become a loop, if the first
+    of them ``is_worth_it``. Loops that repeat are a loop, too; ``index_around`` names the variable of each.
+    """
+    rolled, count = [*groups], len(groups) + 1
+    while len(rolled) < count:
+        count, rolled = len(rolled), _rolled_once(rolled, index_around(rolled), is_worth_it)
+    return tuple(statement for group in rolled for statement in group)
+
+
+def _rolled_once(
+    groups: Sequence[Statements], variable: str, is_worth_it: Callable[[Statements], bool]
+) -> list[Statements]:
     outlines = [outline(group) for group in groups]
-    result: list[Statement] = []
+    result: list[Statements] = []
     start = 0
     while start < len(groups):
         period, turns, steps = repeated(outlines, start, _counts)
-        if turns >= LEAST:
-            first = tuple(statement for group in groups[start : start + period] for statement in group)
-            numbers = [number for part in outlines[start : start + period] for number in part.numbers]
-            body = _refilled(first, [_shifted(variable, n) if s else None for n, s in zip(numbers, steps, strict=True)])
-            result += [repeat(turns, body, variable if any(steps) else "_")] if first else []
-            start += period * turns
-        else:
-            result += groups[start]
+        first = tuple(statement for group in groups[start : start + period] for statement in group)
+        if turns < LEAST or (first and not is_worth_it(first)):
+            result.append(groups[start])
             start += 1
-    return tuple(result)
+            continue
+        numbers = [number for part in outlines[start : start + period] for number in part.numbers]
+        body = _refilled(first, [_shifted(variable, n) if s else None for n, s in zip(numbers, steps, strict=True)])
+        result.append((repeat(turns, body, variable if any(steps) else "_"),) if first else ())
+        start += period * turns
+    return result
 
 
 def _counts(steps: Sequence[int]) -> bool:

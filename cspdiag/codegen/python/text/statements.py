@@ -20,7 +20,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.layout import INDENT, LINE_LENGTH, bracketed, comment_line, statement
 from cspdiag.codegen.python.text.literals import docstring, remark
-from cspdiag.codegen.shared.trees import Closed
+from cspdiag.codegen.shared.trees import Closed, nodes
 
 NOTHING = Constant("")
 
@@ -193,6 +193,12 @@ def _statements_in(statements: Iterable[Statement]) -> Iterator[Statement]:
         yield item
         if isinstance(item, (Block, For, Function)):
             yield from _statements_in(item.body)
+
+
+def waits(statements: Iterable[Statement]) -> bool:
+    """Whether a generator function may wait in these statements."""
+    found = nodes(tuple(statements))
+    return any(node == YIELD or (isinstance(node, Prefix) and node.text == "yield from ") for node in found)
 
 
 def lines(statements: Iterable[Statement], indent: str = "") -> list[str]:

@@ -54,7 +54,7 @@ class Composition(Alternatives):
                 return ()
             case ir.SequentialSteps(steps=steps):
                 groups = [self.statements(step) for step in steps]
-                return rolled_steps(groups, self.members.index_around(groups))
+                return rolled_steps(groups, self.members.index_around)
             case ir.AssignValue(target=target, value=value):
                 return (self._set(target, self.printer.print(value), self._place(action)),)
             case ir.ReadValue(source=source, target=target):
