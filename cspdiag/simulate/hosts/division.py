@@ -28,6 +28,11 @@ class Division:
     own_ports: frozenset[str]
     crossings: tuple[Crossing, ...]
 
+    @property
+    def first(self) -> str:
+        """The place that the environment names first."""
+        return self.place_of[0][1]
+
     def place_of_path(self, path: str) -> str:
         """The place of a process by its path: ``Jiwy.horizontal.alignL``."""
         return dict(self.place_of)[path.split(".")[1].partition("[")[0]]

@@ -8,6 +8,7 @@ from types import ModuleType
 from typing import Any
 
 from cspdiag.base.errors import CspdiagError
+from cspdiag.runtime.kernel.exceptions import Place, ProcessError, text_of
 
 
 class BadMessageError(CspdiagError, ValueError):
@@ -46,3 +47,18 @@ class _Reader(pickle.Unpickler):
         if module.endswith(".types") and is_own:
             return found
         raise pickle.UnpicklingError(f"{module}.{name} is no type of the program")
+
+
+def ended_item(path: str, error: BaseException | None) -> tuple[Any, ...]:
+    """What other places get to know of an instance that has ended: its exception in words."""
+    if error is None:
+        return ("ended", path, None)
+    place = getattr(error, "place", None)
+    return ("ended", path, (type(error).__name__, text_of(error), None if place is None else str(place)))
+
+
+def error_of(kind: str, text: str, place: str | None) -> ProcessError:
+    """An exception of a process in another place."""
+    error: ProcessError = type(kind, (ProcessError,), {})(*([text] if text else []))
+    error.place = None if place is None else Place(place)
+    return error

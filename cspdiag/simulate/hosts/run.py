@@ -12,17 +12,10 @@ from cspdiag.runtime.advance.run import NetworkRun
 from cspdiag.runtime.channels.broadcast import Broadcast, BroadcastEnd
 from cspdiag.runtime.channels.channel import Channel
 from cspdiag.runtime.channels.converting import Converting
+from cspdiag.runtime.deadlock.partners import report_deadlock
 from cspdiag.runtime.kernel.clock import Clock
 from cspdiag.runtime.kernel.durations import END_OF_TIME
-from cspdiag.runtime.kernel.exceptions import (
-    PartnerLost,
-    Place,
-    ProcessError,
-    RunFailed,
-    Timeout,
-    described,
-    text_of,
-)
+from cspdiag.runtime.kernel.exceptions import PartnerLost, RunFailed, Timeout, described
 from cspdiag.runtime.kernel.observer import Observer
 from cspdiag.runtime.kernel.party import Party
 from cspdiag.runtime.kernel.scheduler import Scheduler
@@ -36,7 +29,9 @@ from cspdiag.simulate.hosts.division import Division
 from cspdiag.simulate.hosts.ends import Item
 from cspdiag.simulate.hosts.links import PATIENCE, Links
 from cspdiag.simulate.hosts.lost import raise_in_waiting
+from cspdiag.simulate.hosts.messages import ended_item, error_of
 from cspdiag.simulate.hosts.processes import Elsewhere, Here, replace_instances
+from cspdiag.simulate.hosts.standstill import Standstill
 from cspdiag.simulate.run.probes import parts_of
 
 _LOOK: Final = 0.05
@@ -139,6 +134,9 @@ class DividedRun(NetworkRun):
         """The items that were received and not yet taken over; some may come before the run begins here."""
         self._limit_is_reached = False
         """Whether another place has come to the time limit, which is also that of this one."""
+        self._standstill = Standstill(self._division, self._links)
+        self._deadlock: PartnerLost | None = None
+        """That another place has ended with a deadlock, in real time."""
         self._doom: PartnerLost | None = None
         """Why the run has to end: another place has."""
         self._raise_again = 0.0
@@ -157,7 +155,7 @@ class DividedRun(NetworkRun):
         self._crossings.step()
         for path, error in self._network.ended:
             for other in self._division.others:
-                self._outgoing[other].append(_ending(path, error))
+                self._outgoing[other].append(ended_item(path, error))
         self._network.ended.clear()
         return any(self._outgoing.values())
 
@@ -176,7 +174,7 @@ class DividedRun(NetworkRun):
                     self._signals[rest[0]].value = rest[1]
                 case "ended":
                     path, error = rest
-                    self._network.elsewhere[path].end(None if error is None else _error(*error))
+                    self._network.elsewhere[path].end(None if error is None else error_of(*error))
                 case _:  # It is about a channel.
                     self._crossings.hear(place, what, *rest)
 
@@ -192,14 +190,22 @@ class DividedRun(NetworkRun):
                 self._ready.add(place)
             elif what == "round":
                 self._rounds[place].append(tuple(rest))
+            elif what == "idle":
+                self._standstill.report(place, rest[0])
             else:
+                self._standstill.received(place)
                 self._arrived += [(place, tuple(item)) for item in rest[0]]
 
     def _hear_end(self, place: str, ended: str, why: str) -> None:
         self._links.by_place[place].over = True
         self._limit_is_reached |= ended == "time limit"
-        if ended not in ("terminated", "time limit"):
-            self._doom = PartnerLost(f"the place `{place}` has ended: {why}")
+        if ended in ("terminated", "time limit"):
+            return
+        end = PartnerLost(f"the place `{place}` has ended: {why}")
+        if ended == "deadlock" and self._clock.real:
+            self._deadlock = end
+        else:
+            self._doom = end
 
     @property
     def _present(self) -> list[str]:
@@ -340,6 +346,7 @@ class DividedRun(NetworkRun):
             self._collect_signals(other)
         items = self._outgoing.pop(other, None)
         if items:
+            self._standstill.sent(other)
             self._links.send(other, ("items", items))
 
     def _has_news(self) -> bool:
@@ -356,6 +363,7 @@ class DividedRun(NetworkRun):
             self._hear(place, without_withdrawn(items))
         if self._links.lost and time.monotonic() >= self._raise_again:
             self._raise_again = time.monotonic() + _RAISE_AGAIN
+            self._standstill.disturbed()
             for link in self._links.lost:
                 self._crossings.hand_back(link.place)
                 self._raise_timeouts(link.place)
@@ -373,18 +381,27 @@ class DividedRun(NetworkRun):
     def _can_continue(self) -> bool:
         if self._doom is not None:
             raise RunFailed(self._doom)
-        return bool(self._present) or self._limit_is_reached or super()._can_continue()
+        is_idle = not (super()._can_continue() or self._can_hear_more())
+        if not is_idle:
+            self._standstill.disturbed()
+        if self._deadlock is None:
+            is_alone = not self._division.others
+            return not (is_idle and (is_alone or self._standstill.is_everywhere(self._scheduler.now)))
+        if is_idle:
+            return False
+        raise RunFailed(self._deadlock)
 
+    def _deadlocked(self) -> Outcome:
+        if not (self._clock.real and self._division.others):
+            return super()._deadlocked()
+        # The clock has gone on since then, but nothing else.
+        report = report_deadlock(self._root, self._standstill.instant)
+        return Outcome("deadlock", self._scheduler.now, deadlock=report)
 
-def _ending(path: str, error: BaseException | None) -> tuple[Any, ...]:
-    if error is None:
-        return ("ended", path, None)
-    place = getattr(error, "place", None)
-    return ("ended", path, (type(error).__name__, text_of(error), None if place is None else str(place)))
-
-
-def _error(kind: str, text: str, place: str | None) -> ProcessError:
-    """An exception of a process in another place."""
-    error: ProcessError = type(kind, (ProcessError,), {})(*([text] if text else []))
-    error.place = None if place is None else Place(place)
-    return error
+    def _can_hear_more(self) -> bool:
+        """Whether something else than a new message of another place can have an effect here or there."""
+        return bool(
+            self._limit_is_reached
+            or self._has_news()
+            or any(self._signals[name].value is not value for (_, name), value in self._known.items())
+        )

@@ -180,7 +180,7 @@ def explain(outcome: Outcome, network: CoreNetwork, recorder: Recorder) -> None:
     """Make the report of a deadlock say, by the text of the program, which process waits for which."""
     if outcome.deadlock is not None:
         waiting = [_record(process) for process in outcome.deadlock.waiting]
-        outcome.deadlock = deadlock_report(outcome.time, waiting, network, recorder)
+        outcome.deadlock = deadlock_report(outcome.deadlock.time, waiting, network, recorder)
 
 
 @contextmanager
