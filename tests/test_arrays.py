@@ -83,12 +83,12 @@ def test_generators_take_the_same_for_each_element(name: str, target: str, level
 @pytest.mark.parametrize(
     ("name", "target", "most", "most_element_by_element"),
     [
-        ("ring", "python", 240, 850),
-        ("ring", "c", 270, 1_000),
-        ("pipeline", "python", 230, 1_030),
-        ("workers", "python", 620, 2_120),
-        ("workers", "c", 560, 2_270),
-        ("star", "python", 1_800, 4_700),
+        ("ring", "python", 100, 810),
+        ("ring", "c", 180, 820),
+        ("pipeline", "python", 45, 1_010),
+        ("workers", "python", 340, 2_080),
+        ("workers", "c", 300, 2_060),
+        ("star", "python", 1_460, 4_550),
     ],
 )
 def test_an_element_takes_few_calls_from_the_text_to_the_code(

@@ -12,7 +12,7 @@ from cspdiag.base.record import node, replaced
 from cspdiag.network.elaborate.fewer.extrapolation import Extrapolation, IrregularError
 from cspdiag.network.ir.expressions import Expression, LiteralValue, Typed
 from cspdiag.network.ir.faults import operation_may_fault
-from cspdiag.network.ir.network import CoreNetwork, FewerElements, Network
+from cspdiag.network.ir.network import Continued, CoreNetwork, FewerElements, Network
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.bookkeeping import drop_bookkeeping
 from cspdiag.optimize.check.network import require_valid
@@ -144,7 +144,8 @@ def _following_from_fewer(network: Network, fewer: FewerElements, passes: Sequen
             raise IrregularError
     _require_same_decisions(few, some, fewer.sizes)
     whole = Extrapolation(*fewer.sizes).of(few, some)
-    return optimize(whole, [entry for entry in passes if entry.name == "fuse"], debug=debug)
+    result = optimize(whole, [entry for entry in passes if entry.name == "fuse"], debug=debug)
+    return replaced(whole, continued=Continued(few=few, some=some, sizes=fewer.sizes)) if result is whole else result
 
 
 def _require_same_decisions(few: Network, some: Network, sizes: tuple[int, int, int]) -> None:

@@ -5,7 +5,12 @@ are many.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
+from itertools import accumulate, chain
+from typing import Any, Generic, Protocol, TypeVar
+
+from cspdiag.network.elaborate.fewer.rows import Strand, examples, strands
 
 MANY = 100
 """From this number on, lines with numbered names are an array in generated code: nobody reads them one by one."""
@@ -16,42 +21,121 @@ NUMBER = r"(?<=[A-Za-z_])(?:0|[1-9][0-9]*)(?=\.|$)"
 _NUMBER = re.compile(NUMBER)
 
 
-class Arrays:
-    """Names in groups (of channels, of instances); an array has all elements from 0 on in one group, and all of one
-    kind. No array has a name that is ``taken``.
+class Named(Protocol):
+    """A channel or an instance."""
+
+    @property
+    def name(self) -> str:
+        """As in the text, with its index."""
+
+
+N = TypeVar("N", bound=Named)
+N_co = TypeVar("N_co", bound=Named, covariant=True)
+
+
+class Elements(Generic[N_co]):
+    """The elements of an array in order, of which some that follow one another are known to differ in numbers that
+    count: ``strands`` of the ``rows`` of all arrays.
     """
 
-    def __init__(self, *groups: Mapping[str, Hashable], taken: Collection[str] = ()) -> None:
-        self._places: dict[str, tuple[str, int]] = {}
-        self._sizes: dict[str, int] = {}
-        for group in groups:
-            self._add(group)
-        for group in groups:
-            others = {*taken, *self._sizes, *(name for group in groups for name in group)}
-            for base, elements in numbered_lines(group, others).items():
-                self._sizes[base] = len(elements)
-                self._places.update({name: (base, index) for index, name in enumerate(elements)})
-        self._elements = {place: name for name, place in self._places.items()}
+    def __init__(self, rows: Sequence[N_co], strands: Sequence[Strand]) -> None:
+        self._rows = rows
+        self.strands = strands
+        self._starts = [0, *accumulate(strand.length for strand in strands)]
 
-    def _add(self, kinds: Mapping[str, Hashable]) -> None:
-        found: dict[str, dict[int, str]] = {}
-        for name in kinds:
-            place = indexed(name)
-            if place is not None:
-                found.setdefault(place[0], {})[place[1]] = name
-        for base, elements in found.items():
-            alike = len({kinds[name] for name in elements.values()}) == 1
-            if alike and base not in kinds and sorted(elements) == list(range(len(elements))):
-                self._sizes[base] = len(elements)
-                self._places.update({name: (base, index) for index, name in elements.items()})
+    def __len__(self) -> int:
+        return self._starts[-1]
+
+    @property
+    def are_known(self) -> bool:
+        """Whether anything is known of elements that follow one another."""
+        return len(self.strands) < len(self)
+
+    def __getitem__(self, position: int) -> N_co:
+        number = bisect_right(self._starts, position) - 1
+        strand = self.strands[number]
+        return self._rows[strand.start + strand.distance * (position - self._starts[number])]
+
+    def __iter__(self) -> Iterator[N_co]:
+        return chain.from_iterable(self.parts())
+
+    def parts(self) -> Iterator[Sequence[N_co]]:
+        """The elements of each strand."""
+        return (strand.of(self._rows) for strand in self.strands)
+
+
+def arrays_of(rows: Sequence[N]) -> dict[str, Elements[N]]:
+    """The elements of each array of which there are all from 0 on, by what their names have in common."""
+    found: dict[str, dict[int, Strand]] = {}
+    for strand in strands(rows):
+        for (base, index), part in _with_consecutive_indexes(rows, strand):
+            found.setdefault(base, {})[index] = part
+    arrays: dict[str, Elements[N]] = {}
+    for base, parts in found.items():
+        ordered = [parts[index] for index in sorted(parts)]
+        if [*accumulate((part.length for part in ordered[:-1]), initial=0)] == sorted(parts):
+            arrays[base] = Elements(rows, ordered)
+    return arrays
+
+
+def _with_consecutive_indexes(rows: Sequence[Named], strand: Strand) -> Sequence[tuple[tuple[str, int], Strand]]:
+    """The parts of a strand of which the index counts by one, each with the place of its first element."""
+    place = indexed(rows[strand.start].name)
+    if place is None:
+        return ()
+    if strand.length == 1:
+        return ((place, strand),)
+    second = indexed(rows[strand.start + strand.distance].name)
+    if second == (place[0], place[1] + 1):
+        return ((place, strand),)
+    positions = range(strand.start, strand.start + strand.distance * strand.length, strand.distance)
+    places = [(indexed(rows[position].name), Strand(position, 1, 1)) for position in positions]
+    return [(found, single) for found, single in places if found is not None]
+
+
+class Arrays:
+    """Rows in groups (channels, instances), each with the kind of a row; an array has all elements from 0 on in one
+    group, and all of one kind. No array has a name that is ``taken``.
+    """
+
+    def __init__(self, *groups: tuple[Sequence[Any], Callable[[Any], Hashable]], taken: Collection[str] = ()) -> None:
+        self._places: dict[str, tuple[str, int]] = {}
+        self._arrays: dict[str, Elements[Named]] = {}
+        for rows, kind in groups:
+            self._add(rows, kind)
+        for rows, kind in groups:
+            kinds = {row.name: kind(row) for row in examples(rows) if "[" not in row.name}
+            if len(kinds) >= MANY:
+                others = {*taken, *self._arrays, *(row.name for rows, _ in groups for row in rows)}
+                places = {row.name: at for at, row in enumerate(rows)}
+                for base, names in numbered_lines(kinds, others).items():
+                    self._add_array(base, Elements(rows, [Strand(places[name], 1, 1) for name in names]))
+
+    def _add(self, rows: Sequence[N], kind: Callable[[N], Hashable]) -> None:
+        names = {row.name for row in examples(rows)}
+        for base, elements in arrays_of(rows).items():
+            if base not in names and len({kind(row) for row in _first_two(elements)}) == 1:
+                self._add_array(base, elements)
+
+    def _add_array(self, base: str, elements: Elements[Named]) -> None:
+        self._arrays[base] = elements
+        if not elements.are_known:
+            self._places.update({row.name: (base, index) for index, row in enumerate(elements)})
 
     def place(self, name: str) -> tuple[str, int | None]:
         """The array and the index, or the name itself and None."""
-        return self._places.get(name, (name, None))
+        found = self._places.get(name)
+        if found is None:
+            found = indexed(name) if "[" in name else None
+            elements = None if found is None else self._arrays.get(found[0])
+            if found is None or elements is None or not elements.are_known or found[1] >= len(elements):
+                return name, None
+            return found if elements[found[1]].name == name else (name, None)
+        return found
 
     def element(self, base: str, index: int) -> str:
         """The name of an element of an array."""
-        return self._elements[base, index]
+        return self._arrays[base][index].name
 
     def base(self, name: str) -> str:
         """The name of the array, or the name itself."""
@@ -60,7 +144,13 @@ class Arrays:
     def size(self, name: str) -> int | None:
         """The number of elements of the array that contains an element."""
         base, index = self.place(name)
-        return None if index is None else self._sizes[base]
+        return None if index is None else len(self._arrays[base])
+
+
+def _first_two(elements: Elements[N]) -> Iterator[N]:
+    """The first two of all elements that are known to differ in numbers that count: if these are equal, all are."""
+    for part in elements.parts():
+        yield from part[:2]
 
 
 def indexed(name: str) -> tuple[str, int] | None:
@@ -80,8 +170,10 @@ def numbered_lines(kinds: Mapping[str, Hashable], taken: Collection[str]) -> dic
         return {}
     found: dict[str, list[str]] = {}
     for name in kinds:
+        if "[" in name:
+            continue
         base, times = _NUMBER.subn("", name)
-        if times == 1 and "[" not in name:
+        if times == 1:
             found.setdefault(base, []).append(name)
     return {
         base: names

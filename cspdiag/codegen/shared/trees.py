@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from functools import cache
 from types import NoneType
-from typing import Any, TypeVar
+from typing import Any, TypeVar, overload
 
 from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record, record, replaced
+from cspdiag.network.elaborate.fewer.rows import Rows, repetitions
 
 T = TypeVar("T")
 
@@ -34,6 +36,130 @@ class Outline:
 
     shape: Hashable
     numbers: tuple[int, ...]
+
+
+@record
+class Stretch:
+    """``count`` outlines of one shape in sequence, of which each number changes by its step from one to the next."""
+
+    shape: Hashable
+    numbers: tuple[int, ...]
+    """Those of the first."""
+    steps: tuple[int, ...]
+    count: int
+
+    def numbers_at(self, position: int) -> tuple[int, ...]:
+        """Those of the outline at a position."""
+        return tuple([number + step * position for number, step in zip(self.numbers, self.steps, strict=True)])
+
+    def first(self) -> Stretch:
+        """The first outline alone."""
+        return _single(self.shape, self.numbers)
+
+    def after_first(self) -> Stretch:
+        """All others."""
+        if self.count == 2:
+            return _single(self.shape, self.numbers_at(1))
+        return Stretch(self.shape, self.numbers_at(1), self.steps, self.count - 1)
+
+
+def _single(shape: Hashable, numbers: tuple[int, ...]) -> Stretch:
+    return Stretch(shape, numbers, (0,) * len(numbers), 1)
+
+
+def stretches(outlines: Iterable[Outline]) -> list[Stretch]:
+    """The outlines as stretches, each as long as it can be from the left."""
+    found: list[Stretch] = []
+    shape: Hashable = None
+    first: tuple[int, ...] = ()
+    last: tuple[int, ...] = ()
+    steps: list[int] = []
+    count = 0
+    for entry in outlines:
+        if count and entry.shape == shape:
+            change = [after - before for before, after in zip(last, entry.numbers, strict=True)]
+            if count == 1 or change == steps:
+                steps, last = change, entry.numbers
+                count += 1
+                continue
+        if count:
+            found.append(Stretch(shape, first, tuple(steps), count))
+        shape, first, last, count = entry.shape, entry.numbers, entry.numbers, 1
+        steps = [0] * len(first)
+    if count:
+        found.append(Stretch(shape, first, tuple(steps), count))
+    return found
+
+
+class OutlinesOfRows(Sequence[Outline]):
+    """The outlines of rows of which it is known where they repeat: few are made."""
+
+    def __init__(self, rows: Sequence[T], outlined: Callable[[T], Outline]) -> None:
+        self._starts: list[int] = []
+        self._parts: list[tuple[Sequence[Stretch], int] | list[Outline]] = []
+        """For a repetition the outlines in each place of a round, and the number of rounds."""
+        self._size = len(rows)
+        for repetition in repetitions(rows):
+            self._starts.append(repetition.start)
+            found = [_stretch(strand.of(rows), outlined) for strand in repetition.strands()]
+            known = [stretch for stretch in found if stretch is not None]
+            if repetition.rounds > 1 and len(known) == len(found):
+                self._parts.append((known, repetition.rounds))
+            else:
+                self._parts.append(list(map(outlined, repetition.of(rows))))
+
+    def __len__(self) -> int:
+        return self._size
+
+    @overload
+    def __getitem__(self, position: int) -> Outline: ...
+    @overload
+    def __getitem__(self, position: slice) -> Sequence[Outline]: ...
+    def __getitem__(self, position: int | slice) -> Outline | Sequence[Outline]:
+        if isinstance(position, slice):
+            return [self[at] for at in range(*position.indices(len(self)))]
+        if not 0 <= position < len(self):
+            raise IndexError(position)
+        number = bisect_right(self._starts, position) - 1
+        part, place = self._parts[number], position - self._starts[number]
+        if isinstance(part, list):
+            return part[place]
+        turn, at = divmod(place, len(part[0]))
+        return Outline(part[0][at].shape, part[0][at].numbers_at(turn))
+
+    def times(self, start: int, period: int) -> int:
+        """How often ``period`` outlines are known to repeat from ``start`` on; 1 if nothing is known."""
+        number = bisect_right(self._starts, start) - 1
+        part = self._parts[number]
+        if isinstance(part, list) or period % len(part[0]):
+            return 1
+        return max(1, (self._starts[number] + len(part[0]) * part[1] - start) // period)
+
+
+def outlines_of(rows: Sequence[T], outlined: Callable[[T], Outline]) -> Sequence[Outline]:
+    """The outlines of rows. All that an outline says of its row is in the row: rows that differ in numbers that count
+    have outlines that do.
+    """
+    return OutlinesOfRows(rows, outlined) if isinstance(rows, Rows) else list(map(outlined, rows))
+
+
+def stretches_of(parts: Iterable[Sequence[T]], outlined: Callable[[T], Outline]) -> list[Stretch]:
+    """The same, as stretches, of rows in parts that are known to differ in numbers that count."""
+    found: list[Stretch] = []
+    for part in parts:
+        known = _stretch(part, outlined)
+        found += stretches(map(outlined, part)) if known is None else [known]
+    return found
+
+
+def _stretch(rows: Sequence[T], outlined: Callable[[T], Outline]) -> Stretch | None:
+    """The outlines of rows that differ in numbers that count, of which three are made; None if the outlines do not."""
+    first, second, last = outlined(rows[0]), outlined(rows[min(1, len(rows) - 1)]), outlined(rows[-1])
+    if not first.shape == second.shape == last.shape:
+        return None
+    steps = tuple([after - before for before, after in zip(first.numbers, second.numbers, strict=True)])
+    known = Stretch(first.shape, first.numbers, steps, len(rows))
+    return known if known.numbers_at(len(rows) - 1) == last.numbers else None
 
 
 def nodes(item: object) -> Iterator[object]:
@@ -156,3 +282,5 @@ def repetitions_from(
         if change != steps if times > 1 else not counts(change):
             return times, tuple(steps)
         steps, times = change, times + 1
+        if isinstance(outlines, OutlinesOfRows):
+            times = max(times, outlines.times(start, period))

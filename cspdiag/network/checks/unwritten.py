@@ -6,6 +6,7 @@ The checks of a program assume that a part which may be abandoned has ended; her
 
 from __future__ import annotations
 
+from cspdiag.network.elaborate.fewer.continued import continued
 from cspdiag.network.flow.written import read_before_written
 from cspdiag.network.ir.actions import CatchException, ChannelEnd, InterruptOn, PortEnd
 from cspdiag.network.ir.network import Network, ProcessClass, channels_of
@@ -16,19 +17,31 @@ def may_be_unwritten(network: Network) -> dict[str, frozenset[str]]:
     """The variables of each class that may be read without a value; this includes every variable without an initial
     value to which an instance is attached.
     """
+    return {name: frozenset(variables) for name, variables in _variables(network)}
+
+
+@continued
+def _variables(network: Network) -> tuple[tuple[str, tuple[str, ...]], ...]:
     classes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
     abandoned = any(
         isinstance(part, (CatchException, InterruptOn)) for entry in classes for part in all_actions(entry.body)
     )
     if not abandoned and not any(entry.external for entry in classes):
-        return {entry.name: frozenset() for entry in classes}
-    return {entry.name: _in_class(entry) for entry in classes}
+        return tuple((entry.name, ()) for entry in classes)
+    return tuple((entry.name, _in_class(entry)) for entry in classes)
 
 
 def ports_of_unwritten(network: Network) -> dict[str, frozenset[tuple[str, int | None]]]:
     """The input ports of each class, with the index in an array, that may be connected to such a variable."""
+    return {name: frozenset(places) for name, places in _ports(network)}
+
+
+@continued
+def _ports(network: Network) -> tuple[tuple[str, tuple[tuple[str, int | None], ...]], ...]:
     variables = may_be_unwritten(network)
-    found: dict[str, set[tuple[str, int | None]]] = {entry.name: set() for entry in network.classes}
+    found: dict[str, dict[tuple[str, int | None], None]] = {entry.name: {} for entry in network.classes}
+    if not any(variables.values()):
+        return tuple((name, ()) for name in found)
     inputs = {(entry.name, port.name) for entry in network.classes for port in entry.ports if port.direction == "in"}
     for entry in reversed(network.classes):
         if isinstance(entry, ProcessClass):
@@ -40,12 +53,15 @@ def ports_of_unwritten(network: Network) -> dict[str, frozenset[tuple[str, int |
                     if (isinstance(end, ChannelEnd) and end.channel in variables[entry.name]) or (
                         isinstance(end, PortEnd) and (end.port, end.index) in found[entry.name]
                     ):
-                        found[instance.class_name].add((connection.port, connection.index))
-    return {name: frozenset(places) for name, places in found.items()}
+                        found[instance.class_name][connection.port, connection.index] = None
+    return tuple((name, tuple(places)) for name, places in found.items())
 
 
-def _in_class(entry: ProcessClass) -> frozenset[str]:
+def _in_class(entry: ProcessClass) -> tuple[str, ...]:
     unset = {channel.name for channel in entry.channels if channel.kind == "var" and channel.initial is None}
+    if not unset:
+        return ()
     attached = channels_of(entry.instances)
     early = frozenset() if entry.body is None else read_before_written(entry.body, unset - attached)
-    return early | (unset & attached)
+    found = early | (unset & attached)
+    return tuple(channel.name for channel in entry.channels if channel.name in found)

@@ -12,6 +12,7 @@ from typing import Literal, TypeAlias
 
 from cspdiag.base.graphs import reached
 from cspdiag.base.record import kept_for_same
+from cspdiag.network.elaborate.fewer.continued import continued
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.external import external_bodies
 from cspdiag.network.ir.network import ConstantEnd, DiscardEnd, Medium, Network, ProcessClass, SubmodelClass
@@ -36,16 +37,25 @@ def dedicated_places(network: Network) -> frozenset[Place]:
     An instance runs in one task at a time, and counts as one. A program with processes or laws in other languages has
     none, since their values are not checked.
     """
+    return frozenset(_dedicated_places(network))
+
+
+@continued
+def _dedicated_places(network: Network) -> tuple[Place, ...]:
+    """The same in the order of the text."""
     if any(external_bodies(network.classes, ())):
-        return frozenset()
-    places: set[Place] = set()
+        return ()
+    places: dict[Place, None] = {}
     others: set[Place] = set()
     joined: defaultdict[Place, list[Place]] = defaultdict(list)
     laws = {entry.name for entry in network.classes if isinstance(entry, SubmodelClass)}
     for process in (entry for entry in network.classes if isinstance(entry, ProcessClass)):
         media = dict(_media(process))
         for place, medium in media.items():
-            (places if _is_unguarded_rendezvous(medium) else others).add(place)
+            if _is_unguarded_rendezvous(medium):
+                places[place] = None
+            else:
+                others.add(place)
         uses: Counter[Use] = Counter()
         for connected, outer, use in _connections(process, network):
             uses[outer, use] += 1
@@ -57,8 +67,8 @@ def dedicated_places(network: Network) -> frozenset[Place]:
             uses.update(set(_uses(process.name, task)))
             others.update(_by_the_runtime(process.name, task, media))
         others.update(place for (place, _), count in uses.items() if count > 1)
-    connected_to_others = reached(others, joined.__getitem__)
-    return frozenset(places.difference(connected_to_others))
+    connected_to_others = set(reached(others, joined.__getitem__))
+    return tuple(place for place in places if place not in connected_to_others)
 
 
 def _is_unguarded_rendezvous(medium: Medium) -> bool:

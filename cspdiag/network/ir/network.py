@@ -345,6 +345,17 @@ class FewerElements:
     """Makes the network of all elements from the program, which has one."""
 
 
+@node
+class Continued:
+    """Says of a network from which two others it follows, and so does what is found in it (``fewer.continued``)."""
+
+    few: Network
+    some: Network
+    """The same with more elements."""
+    sizes: tuple[int, int, int]
+    """The size of the arrays in the first, in the second, and in the network itself."""
+
+
 @record(kw_only=True)
 class Network(Generic[A_co]):
     """A whole program. In ``classes`` each class comes after the classes of its instances."""
@@ -369,6 +380,8 @@ class Network(Generic[A_co]):
     nets: tuple[Net, ...]
     doc: str | None = None
     fewer: FewerElements | None = None
+    continued: Continued | None = None
+    """How the network was made, if it was made from two with fewer elements."""
 
     def class_named(self, name: str) -> ProcessClass[A_co] | SubmodelClass:
         """The class with this name. Raises KeyError if it is unknown."""

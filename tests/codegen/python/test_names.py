@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import builtins
 import keyword
+from collections.abc import Mapping
 
 import pytest
 
 from cspdiag import runtime
+from cspdiag.base.span import SourceFile, Span
 from cspdiag.codegen.python.text.names import (
     BUILTINS,
     KEYWORDS,
@@ -18,6 +20,7 @@ from cspdiag.codegen.python.text.names import (
     snake_case,
 )
 from cspdiag.codegen.shared.places_in_arrays import MANY, Arrays, indexed, numbered_lines
+from cspdiag.network.ir.network import InstanceOf
 from cspdiag.runtime import Process, Submodel
 
 
@@ -76,10 +79,15 @@ def test_members_keep_apart_and_begin_with_no_underscore() -> None:
     }
 
 
+def _rows(kinds: Mapping[str, str]) -> list[InstanceOf]:
+    span = Span(SourceFile(name="main.csp", text=""), 0, 0)
+    return [InstanceOf(name=name, class_name=kind, span=span) for name, kind in kinds.items()]
+
+
 def test_many_numbered_names_of_one_kind_are_an_array() -> None:
     cells = {f"cell{i}.out": "sync" for i in range(MANY)}
     assert numbered_lines(cells, ()) == {"cell.out": list(cells)}
-    arrays = Arrays(cells)
+    arrays = Arrays((_rows(cells), lambda row: row.class_name))
     assert arrays.place("cell7.out") == ("cell.out", 7)
     assert arrays.element("cell.out", 7) == "cell7.out"
     assert arrays.size("cell7.out") == MANY
@@ -107,6 +115,7 @@ def test_numbered_names_of_several_kinds_or_with_a_name_that_is_taken_are_no_arr
     kinds = {f"cell{i}": "Cell" for i in range(MANY)}
     assert numbered_lines(kinds | {"cell7": "Head"}, ()) == {}
     assert numbered_lines(kinds, {"cell"}) == {}
-    both = Arrays({f"cell[{i}]": "Cell" for i in range(MANY)}, kinds)
+    of_kind = [_rows({f"cell[{i}]": "Cell" for i in range(MANY)}), _rows(kinds)]
+    both = Arrays(*((rows, lambda row: row.class_name) for rows in of_kind))
     assert both.place("cell[7]") == ("cell", 7)
     assert both.place("cell7") == ("cell7", None)

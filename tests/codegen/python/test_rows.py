@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -11,9 +12,11 @@ from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.codegen.python.plain import constructors
+from cspdiag.codegen.python.plain.instances import Instances
 from cspdiag.codegen.python.text.code import Argument, Call, Code, Name, WholeNumber
 from cspdiag.codegen.python.text.rolling import rolled_list, rolled_rows
-from cspdiag.codegen.shared.trees import Outline
+from cspdiag.codegen.shared.trees import Outline, Stretch, outline, stretches
+from cspdiag.network.ir.network import InstanceOf
 
 NETWORKS = Path(__file__).parents[3] / "benchmarks" / "networks"
 
@@ -95,8 +98,8 @@ def test_lists_are_what_all_elements_say(name: str, level: int, monkeypatch: pyt
     network = built.network
     few = pipeline.generate(network, read_source, "python", level)
 
-    def from_all(rows: Sequence[Outline], made: Callable[[int], Code], variable: str) -> Code:
-        return rolled_list([made(position) for position in range(len(rows))], variable)
+    def from_all(rows: Sequence[Stretch], made: Callable[[int], Code], variable: str) -> Code:
+        return rolled_list([made(position) for position in range(sum(row.count for row in rows))], variable)
 
     monkeypatch.setattr(constructors, "rolled_rows", from_all)
     assert few == pipeline.generate(network, read_source, "python", level)
@@ -105,6 +108,38 @@ def test_lists_are_what_all_elements_say(name: str, level: int, monkeypatch: pyt
 def test_elements_are_made_where_their_rows_leave_them_open() -> None:
     elements: list[Code] = [Call(Name("Cell"), (Argument(WholeNumber(value)),)) for value in (0, 1, 5, 3, 4)]
     ambiguous = [Outline("Cell", (position, value)) for position, value in enumerate((0, 1, 5, 3, 4))]
-    assert rolled_rows(ambiguous, elements.__getitem__, "i") == rolled_list(elements, "i")
+    assert rolled_rows(stretches(ambiguous), elements.__getitem__, "i") == rolled_list(elements, "i")
     elements[-1] = Name("other")
-    assert rolled_rows(ambiguous, elements.__getitem__, "i") == rolled_list(elements, "i")
+    assert rolled_rows(stretches(ambiguous), elements.__getitem__, "i") == rolled_list(elements, "i")
+
+
+def test_stretches_say_what_each_of_their_outlines_says() -> None:
+    rng = Random(13)
+    for _ in range(300):
+        pieces = [
+            (rng.randrange(12), rng.choice((-1, 0, 1, 1, 2)), rng.randrange(1, 7)) for _ in range(rng.randrange(1, 5))
+        ]
+        values = [abs(first + step * position) for first, step, count in pieces for position in range(count)]
+        elements: list[Code] = [Call(Name("cell"), (Argument(WholeNumber(value)),)) for value in values]
+        singly = [outline(element) for element in elements]
+        made = rolled_rows(stretches(singly), elements.__getitem__, "i")
+        assert eval(made.flat, {"cell": int}) == values
+        one_by_one = [stretch for row in singly for stretch in stretches([row])]
+        assert rolled_rows(one_by_one, elements.__getitem__, "i") == made
+
+
+def test_of_rows_that_are_known_to_count_three_are_made() -> None:
+    text = (NETWORKS / "ring.csp").read_text(encoding="utf-8").replace("const size = 1000\n", "const size = 2000\n")
+    built = pipeline.build(SourceFile(name="ring.csp", text=text), read_source, for_code=True)
+    assert built.network is not None
+    with pytest.MonkeyPatch.context() as patched:
+        asked: list[str] = []
+        row = Instances.row
+
+        def noted(self: Instances, instance: InstanceOf) -> Outline:
+            asked.append(instance.name)
+            return row(self, instance)
+
+        patched.setattr(Instances, "row", noted)
+        pipeline.generate(built.network, read_source, "python", 1)
+    assert len(asked) < 10

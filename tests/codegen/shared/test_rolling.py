@@ -11,6 +11,9 @@ from cspdiag.codegen.python.text import rolling as python_rolling
 from cspdiag.codegen.python.text.code import SUM, Code, Constant, Name, WholeNumber, awaited
 from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import lines, run
+from cspdiag.codegen.shared.trees import Outline, outlines_of, repeated
+from cspdiag.network.elaborate.fewer.extrapolation import Extrapolation
+from cspdiag.network.elaborate.fewer.runs import outline as rows_outline
 from tests.support.counting import calls
 
 
@@ -76,3 +79,26 @@ def test_a_string_that_looks_like_an_element_does_not_count() -> None:
 def test_twice_as_many_statements_cost_twice_as_much(code: Callable[[int], Code]) -> None:
     small, large = (calls(partial(rolled, [code(number) for number in range(size)])) for size in (200, 400))
     assert large < 2.5 * small
+
+
+def test_outlines_of_rows_that_are_known_to_repeat_are_those_of_each() -> None:
+    def cells(size: int) -> tuple[object, ...]:
+        pairs = [(word, index, size) for index in range(size) for word in ("one", "two")]
+        return (("cell", 0, 7), *[("cell", index, 2 * index) for index in range(2, size)], "between", *pairs, *pairs)
+
+    made: list[object] = []
+
+    def outlined(row: object) -> Outline:
+        made.append(row)
+        found = rows_outline(row)
+        return Outline(found.shape, found.numbers)
+
+    rows = Extrapolation(24, 48, 600).of(cells(24), cells(48))
+    known = outlines_of(rows, outlined)
+    assert len(made) < 30
+    each = [outlined(row) for row in rows]
+    assert list(known) == each
+    assert known[5:9] == each[5:9]
+    for start in (0, 1, 2, 300, 598, 599, 600, 601, 602, 1800, 1801, 2995):
+        for counts in (any, all, lambda steps: all(step in (0, 1) for step in steps)):
+            assert repeated(known, start, counts) == repeated(each, start, counts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cspdiag.network.elaborate.fewer.extrapolation import Extrapolation, IrregularError
+from cspdiag.network.elaborate.fewer.rows import examples, repetitions, rows_from, strands
 from cspdiag.network.elaborate.fewer.runs import runs
 from cspdiag.network.ir.actions import ChannelEnd
 from cspdiag.network.ir.network import Connection
@@ -33,6 +34,30 @@ def test_rows_that_repeat_are_runs() -> None:
 
 def test_more_rows_follow_from_few() -> None:
     assert FROM.of(ring(24), ring(48)) == ring(300)
+
+
+def test_of_rows_that_follow_it_is_known_where_they_repeat() -> None:
+    rows = FROM.of(ring(24), ring(48))
+    assert [(found.start, found.length, found.rounds) for found in repetitions(rows) if found.rounds > 1] == [
+        (3, 1, 299),
+        (303, 2, 298),
+    ]
+    assert [row for found in repetitions(rows) for row in found.of(rows)] == list(rows)
+    assert sorted(position for strand in strands(rows) for position in strand.of(range(len(rows)))) == [
+        *range(len(rows))
+    ]
+    assert len(examples(rows)) < 14
+    assert rows_from(rows, 3) == 299
+    assert rows_from(rows, 100) == 202
+    assert rows_from(rows, 303) == 1
+
+
+def test_of_other_rows_nothing_is_known() -> None:
+    rows = ring(24)
+    assert [found.of(rows) for found in repetitions(rows)] == [rows]
+    assert [strand.of(rows) for strand in strands(rows)] == [(row,) for row in rows]
+    assert examples(rows) is rows
+    assert rows_from(rows, 3) == 1
 
 
 def test_only_the_ends_of_runs_are_wanted() -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeGuard, TypeVar
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.calls import kernel_of, law_verbs
@@ -28,8 +29,9 @@ from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access
 from cspdiag.codegen.c.text.rolling import Rolled, countable, rolled, rolled_from
 from cspdiag.codegen.c.text.statements import Block, Plain, Statement, define, mentions_kernel, run, store
 from cspdiag.codegen.shared.document import Document
-from cspdiag.codegen.shared.trees import nodes
+from cspdiag.codegen.shared.trees import Outline, nodes, outlines_of
 from cspdiag.model.types import IntType
+from cspdiag.network.elaborate.fewer.rows import examples
 from cspdiag.network.ir.actions import AfterEvent, ChannelEnd, End, PortEnd
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
@@ -44,6 +46,8 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
 )
 from cspdiag.network.ir.walk import parts
+
+T = TypeVar("T")
 
 PORTS = code("ports")
 
@@ -87,6 +91,12 @@ def _advance_number(kind: str, by: int) -> Plain:
 def initialization(writer: Writer) -> list[Statement]:
     """The statements of the initialization function."""
     return _Initialization(writer).statements()
+
+
+def _has_no_choices(
+    creation: Sequence[End | CreatedInstance | CreatedChoice],
+) -> TypeGuard[Sequence[End | CreatedInstance]]:
+    return not any(isinstance(item, CreatedChoice) for item in examples(creation))
 
 
 class _Initialization:
@@ -135,9 +145,9 @@ class _Initialization:
         evaluated = (
             process.constants,
             process.states,
-            tuple(channel.initial for channel in process.channels if channel.initial is not None),
-            tuple(instance.arguments for instance in process.instances),
-            tuple(c.attachment for instance in process.instances for c in instance.connections),
+            tuple(channel.initial for channel in examples(process.channels) if channel.initial is not None),
+            tuple(instance.arguments for instance in examples(process.instances)),
+            tuple(c.attachment for instance in examples(process.instances) for c in instance.connections),
             tuple(self.members.inside.of(AfterEvent)),
         )
         return {part.name for part in parts(evaluated) if isinstance(part, ParameterValue | TunableValue)}
@@ -157,7 +167,7 @@ class _Initialization:
         channels, outlines = self.process.channels, Outlines(self.members)
         return list(
             rolled_from(
-                [outlines.channel(item) for item in channels],
+                self._outlines(channels, outlines.channel),
                 lambda at: self._with_setup(self._channel(channels[at])),
             )
         )
@@ -207,23 +217,32 @@ class _Initialization:
 
     def _creations(self) -> list[Statement]:
         """Reading ends, instances and alternatives, in the order in which they are created."""
-        statements: list[Statement] = []
-        pending: list[CreatedInstance | End] = []
         outlines = Outlines(self.members)
 
-        def made() -> list[Rolled]:
+        def made(items: Sequence[CreatedInstance | End]) -> list[Rolled]:
             return rolled_from(
-                [outlines.created(item) for item in pending], lambda at: self._with_setup(self._creation(pending[at]))
+                self._outlines(items, outlines.created), lambda at: self._with_setup(self._creation(items[at]))
             )
 
-        for item in self.process.creation:
+        creation = self.process.creation
+        if _has_no_choices(creation):
+            return [*made(creation)]
+        statements: list[Statement] = []
+        pending: list[CreatedInstance | End] = []
+        for item in creation:
             if isinstance(item, CreatedChoice):
-                statements += made()
-                pending.clear()
+                statements += made(pending)
+                pending = []
                 statements += self.members.made_choices.get(item.choice, [])  # none for an unreachable one
             else:
                 pending.append(item)
-        return [*statements, *made()]
+        return [*statements, *made(pending)]
+
+    def _outlines(self, rows: Sequence[T], outlined: Callable[[T], Outline]) -> Sequence[Outline]:
+        """The outlines of rows. Whether a variable has a flag is not known from the rows."""
+        if any(self.members.unwritten.variables.values()):
+            return list(map(outlined, rows))
+        return outlines_of(rows, outlined)
 
     def _creation(self, item: CreatedInstance | End) -> list[Rolled]:
         if isinstance(item, CreatedInstance):

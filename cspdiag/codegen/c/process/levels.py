@@ -69,7 +69,7 @@ class Levels:
         for entry in network.classes:
             if isinstance(entry, ProcessClass) and entry.body is not None:
                 own = any(isinstance(step, ParallelSteps) and step.prioritized for step in all_actions(entry.body))
-                if own or any(instance.class_name in found for instance in entry.instances):
+                if own or (found and any(instance.class_name in found for instance in entry.instances)):
                     found.add(entry.name)
         return found
 

@@ -10,7 +10,8 @@ from collections.abc import Iterable, Iterator
 
 from cspdiag.base.graphs import reached
 from cspdiag.base.record import kept_for_same
-from cspdiag.codegen.python.fast.storage import rerun_classes
+from cspdiag.network.elaborate.fewer.continued import continued
+from cspdiag.network.flow.repetition import repeated_classes
 from cspdiag.network.ir.actions import CatchException, InterruptOn, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import InstanceOf, Network, ProcessClass
 from cspdiag.network.ir.walk import all_actions, instances_run
@@ -24,8 +25,13 @@ def checked_classes(network: Network) -> frozenset[str]:
     branches inside a handled body, where their effect on variables that remain can be observed afterwards; and all
     classes that these run.
     """
+    return frozenset(_checked_classes(network))
+
+
+@continued
+def _checked_classes(network: Network) -> tuple[str, ...]:
     classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
-    again = rerun_classes(network)
+    again = repeated_classes(network)
     found: set[str] = set()
     for process in classes.values():
         for part in all_actions(process.body):
@@ -41,7 +47,7 @@ def checked_classes(network: Network) -> frozenset[str]:
     for name in list(found):
         process = classes[name]
         found |= _below(process, [instance.name for instance in process.instances], classes)
-    return frozenset(found)
+    return tuple(sorted(found))
 
 
 def _below(process: ProcessClass, instances: Iterable[str], classes: dict[str, ProcessClass]) -> set[str]:

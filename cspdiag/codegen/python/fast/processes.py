@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from cspdiag.base.record import replaced
 from cspdiag.codegen.options import Options
@@ -18,7 +18,7 @@ from cspdiag.codegen.python.plain.constructors import ConstructorWriter
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import Instances, path
-from cspdiag.codegen.python.plain.members import Array
+from cspdiag.codegen.python.plain.members import Array, Row
 from cspdiag.codegen.python.plain.processes import all_readers
 from cspdiag.codegen.python.text.code import (
     FALSE,
@@ -60,6 +60,7 @@ from cspdiag.codegen.python.text.statements import (
 )
 from cspdiag.codegen.python.text.types import annotation
 from cspdiag.codegen.shared.trees import nodes
+from cspdiag.network.elaborate.fewer.rows import repetitions
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.ir.external import external_calls
@@ -301,8 +302,13 @@ class _ProcessWriter(ConstructorWriter):
             yield assign(own(self.spelling.signal_name(item.name)), made)
 
     def _channels(self) -> Iterator[Statement]:
-        kept = [channel for channel in self.process.channels if not self.spelling.is_local(channel.name)]
-        yield from self._channels_made(kept)
+        channels: Sequence[LocalChannel] = self.process.channels
+        if self.spelling.has_locals:
+            channels = [channel for channel in channels if not self.spelling.is_local(channel.name)]
+        yield from self._channels_made(channels)
+
+    def _have_one_class(self, channels: Sequence[Row]) -> bool:
+        return len(set(self.spelling.are_dedicated(channels))) == 1
 
     def _channel_class(self, channel: LocalChannel) -> str:
         medium = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
@@ -317,7 +323,7 @@ class _ProcessWriter(ConstructorWriter):
         made_arrays: set[str] = set()
         done: set[str] = set()
         choices = dict(self.composition.choices)
-        for item in self.process.creation:
+        for item in self._creation():
             match item:
                 case CreatedInstance(instance=name):
                     if name in instances:
@@ -330,14 +336,26 @@ class _ProcessWriter(ConstructorWriter):
                     yield from self._made_end(item, made_ends)
         for end in self.members.reading_ends:
             yield from self._made_end(end, made_ends)
-        for instance in self.process.instances:
+        for instance in self.members.with_lists_once(self.process.instances):
             if instance.name not in done:
                 yield from self._made_instance(instance, made_arrays)
         for name, choice in choices.items():
             yield assign(own(self.composition.choice_names[name]), choice)
 
+    def _creation(self) -> Iterator[End | CreatedInstance | CreatedChoice]:
+        """What is created, in order, but of instances that are known to repeat and to be elements of lists only the
+        first.
+        """
+        creation, place_of = self.process.creation, self.members.place_of
+        for repetition in repetitions(creation):
+            first = creation[repetition.start : repetition.start + repetition.length]
+            once = repetition.rounds > 1 and all(
+                isinstance(item, CreatedInstance) and place_of(item.instance) is not None for item in first
+            )
+            yield from first if once else repetition.of(creation)
+
     def _array(self, array: Array, elements: Code) -> Code:
-        if self.traced or not isinstance(elements, Comprehension) or not self._has_label(array.elements[0]):
+        if self.traced or not isinstance(elements, Comprehension) or not self._has_label(array.rows[0].name):
             return elements
         return replaced(elements, brackets=f"{self.imports.runtime('numbered')}()")
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from cspdiag.codegen.python.fast.storage import local_variables
-from cspdiag.codegen.python.plain.members import Members
+from cspdiag.codegen.python.plain.members import Members, Row
 from cspdiag.codegen.python.text.code import SELF, Attribute, Code, Element, Name, own
 from cspdiag.model.types import Type
 from cspdiag.network.flow.dedicated import dedicated_places, place_of
@@ -113,6 +113,11 @@ class Spelling:
         """Whether a variable is a local variable of the code."""
         return variable in self._locals
 
+    @property
+    def has_locals(self) -> bool:
+        """Whether any variable is one."""
+        return bool(self._locals)
+
     def variable(self, name: str) -> Code:
         """The value of a variable."""
         if name in self._locals:
@@ -183,6 +188,11 @@ class Spelling:
     def is_dedicated(self, end: End) -> bool:
         """Whether each end of the channel belongs to one task."""
         return place_of(self.process.name, end) in self._dedicated
+
+    def are_dedicated(self, channels: Iterable[Row]) -> Iterator[bool]:
+        """The same for each of several channels of the process."""
+        dedicated, process = self._dedicated, self.process.name
+        return ((process, channel.name, None) in dedicated for channel in channels)
 
     def type_of(self, end: End) -> Type:
         """The type of the values that are passed at an end."""

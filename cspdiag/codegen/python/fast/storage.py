@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cspdiag.base.record import kept_for_same
 from cspdiag.model.types import has_unit
+from cspdiag.network.elaborate.fewer.continued import continued
 from cspdiag.network.flow.repetition import repeated_classes
 from cspdiag.network.flow.written import read_before_written
 from cspdiag.network.ir.actions import ChannelEnd, InputEvent, OutputEvent, ReadyEvent
@@ -19,6 +20,8 @@ def local_variables(process: ProcessClass, runs_again: bool, probed: bool) -> fr
     with a unit are recorded.
     """
     variables = {channel.name: channel for channel in process.channels if channel.kind == "var"}
+    if not variables:
+        return frozenset()
     shared = set(channels_of(process.instances))
     for part in parts(process.body):
         match part:
@@ -37,4 +40,9 @@ def local_variables(process: ProcessClass, runs_again: bool, probed: bool) -> fr
 @kept_for_same(1)
 def rerun_classes(network: Network) -> frozenset[str]:
     """The process classes of which an instance may run more than once; cached for all classes of a package."""
-    return repeated_classes(network)
+    return frozenset(_in_order(network))
+
+
+@continued
+def _in_order(network: Network) -> tuple[str, ...]:
+    return tuple(sorted(repeated_classes(network)))

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from typing import TypeGuard
 
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.instances import Instances, numbers_in_name, path, printed_alike
-from cspdiag.codegen.python.plain.members import Array, Members
+from cspdiag.codegen.python.plain.members import Array, Members, Row
 from cspdiag.codegen.python.text.code import NONE, Argument, Call, Code, Name, WholeNumber, own, typed
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.modules import parameter_annotation, port_annotation
 from cspdiag.codegen.python.text.rolling import rolled_rows
 from cspdiag.codegen.python.text.statements import Statement, assign
 from cspdiag.codegen.python.text.types import annotation
-from cspdiag.codegen.shared.trees import Outline
+from cspdiag.codegen.shared.trees import Outline, stretches, stretches_of
 from cspdiag.network.ir.network import InstanceOf, LocalChannel, Port, ProcessClass
 
 CHANNEL_CLASSES = {
@@ -62,9 +63,9 @@ class ConstructorWriter:
 
     def _channels_made(self, channels: Sequence[LocalChannel]) -> Iterator[Statement]:
         """Assign the attributes of channels; elements of an array that are not among them are ``None``."""
-        made = {channel.name: channel for channel in channels}
+        made = None if channels is self.process.channels else frozenset(channel.name for channel in channels)
         done: set[str] = set()
-        for channel in channels:
+        for channel in self.members.with_lists_once(channels):
             array = self.members.array_of(channel.name)
             if array is None:
                 yield assign(self.members.attribute(channel.name), self._channel(channel))
@@ -72,15 +73,28 @@ class ConstructorWriter:
                 done.add(array.name)
                 yield assign(own(array.name), self._array(array, self._channel_list(array, made)))
 
-    def _channel_list(self, array: Array, made: Mapping[str, LocalChannel]) -> Code:
-        channels = [made.get(element) for element in array.elements]
+    def _channel_list(self, array: Array, made: frozenset[str] | None) -> Code:
+        """The list of the channels of an array, without those that are not ``made``."""
+
+        def is_made(channel: Row) -> TypeGuard[LocalChannel]:
+            return isinstance(channel, LocalChannel) and (made is None or channel.name in made)
 
         def element(position: int) -> Code:
-            channel = channels[position]
-            return NONE if channel is None else self._channel(channel)
+            channel = array.rows[position]
+            return self._channel(channel) if is_made(channel) else NONE
 
-        rows = [_NO_CHANNEL if channel is None else self._row(channel) for channel in channels]
+        def row(channel: Row) -> Outline:
+            return self._row(channel) if is_made(channel) else _NO_CHANNEL
+
+        if made is None and array.rows.are_known and all(map(self._have_one_class, array.rows.parts())):
+            rows = stretches_of(array.rows.parts(), row)
+        else:
+            rows = stretches(map(row, array.rows))
         return rolled_rows(rows, element, self.members.index)
+
+    def _have_one_class(self, channels: Sequence[Row]) -> bool:
+        """Whether channels that differ in numbers only have objects of the same class."""
+        return True
 
     def _row(self, channel: LocalChannel) -> Outline:
         """What the creation of a channel depends on."""
@@ -104,10 +118,18 @@ class ConstructorWriter:
 
     def _instance_list(self, array: Array) -> Code:
         """The list with all instances of an array."""
-        by_name = {item.name: item for item in self.process.instances}
-        instances = [by_name[element] for element in array.elements]
-        rows = [self.instances.row(instance) for instance in instances]
-        return rolled_rows(rows, lambda position: self.instances.made(instances[position]), self.members.index)
+
+        def element(position: int) -> Code:
+            instance = array.rows[position]
+            assert isinstance(instance, InstanceOf)
+            return self.instances.made(instance)
+
+        def row(instance: Row) -> Outline:
+            assert isinstance(instance, InstanceOf)
+            return self.instances.row(instance)
+
+        rows = stretches_of(array.rows.parts(), row) if array.rows.are_known else stretches(map(row, array.rows))
+        return rolled_rows(rows, element, self.members.index)
 
     def _array(self, array: Array, elements: Code) -> Code:
         """The list of the elements of an array of channels or instances."""

@@ -94,12 +94,12 @@ class Instances:
                 return Outline(instance, ())  # What is attached may be a whole array.
             attachment = connection.attachment
             if isinstance(attachment, ChannelEnd):
-                array = self.members.array_of(attachment.channel)
-                if array is None:
+                place = self.members.place_of(attachment.channel)
+                if place is None:
                     shape += "channel", attachment.channel
                 else:
-                    shape += "array", array.name
-                    numbers.append(array.positions[attachment.channel])
+                    shape += "array", place[0].name
+                    numbers.append(place[1])
             elif isinstance(attachment, PortEnd) and attachment.index is not None:
                 shape += "element", attachment.port, attachment.end
                 numbers.append(attachment.index)

@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, KeysView, Mapping, Sequence
+from collections.abc import Iterable, Iterator, KeysView, Mapping, Sequence
 from functools import cached_property
+from typing import TypeAlias, TypeVar
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.text.code import Code, Name, own
 from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.statements import Statement, bound_in
-from cspdiag.codegen.shared.places_in_arrays import MANY, indexed, numbered_lines
+from cspdiag.codegen.shared.places_in_arrays import MANY, Elements, arrays_of, indexed, numbered_lines
+from cspdiag.network.elaborate.fewer.rows import Strand, examples, repetitions
 from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir.network import CreatedInstance, InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
+Row: TypeAlias = LocalChannel | InstanceOf
+R = TypeVar("R", bound=Row)
+
 
 @record
 class Array:
-    """Instances or channels that are kept in one list: its attribute, and their names in order."""
+    """Instances or channels that are kept in one list: its attribute, and their rows in order."""
 
     name: str
-    elements: tuple[str, ...]
-    positions: Mapping[str, int]
+    rows: Elements[Row]
+
+    @cached_property
+    def elements(self) -> tuple[str, ...]:
+        """The names of all."""
+        return tuple([row.name for row in self.rows])
 
     @cached_property
     def code(self) -> Code:
@@ -38,15 +47,20 @@ class Members:
         self.arguments = {item.name: self.names[item.name] for item in (*process.parameters, *process.ports)}
         self._ports = {port.name: port for port in process.ports}
         self._channels = {channel.name: channel for channel in process.channels}
-        self._arrays: dict[str, Array] = {}
-        self._group(process.channels)
-        self._group(process.instances)
-        for base, names in lines_as_arrays(process).items():
-            self._add_array(self.names.fresh(base), names)
+        self._arrays: list[Array] = []
+        self._places: dict[str, tuple[Array, int]] = {}
+        self._known: dict[str, Array] = {}
+        """The arrays of which the elements are not among these places, by what the names of the elements share."""
+        all_rows: tuple[Sequence[Row], ...] = (process.channels, process.instances)
+        for rows in all_rows:
+            self._group(rows)
+        for base, elements in lines_as_arrays(process).items():
+            self._add_array(self.names.fresh(base), elements)
         self._plain = {
             item.name: self.names[item.name]
-            for item in (*process.channels, *process.instances)
-            if item.name not in self._arrays
+            for rows in all_rows
+            for item in self.with_lists_once(rows)
+            if self.place_of(item.name) is None
         }
         self.reading_ends = _reading_ends(process, network)
         self._ends = self._name_ends()
@@ -66,25 +80,32 @@ class Members:
     @property
     def list_sizes(self) -> dict[Code, int]:
         """The lengths of the lists, by the expressions for them."""
-        sizes: dict[Code, int] = {own(array.name): len(array.elements) for array in self._arrays.values()}
+        sizes: dict[Code, int] = {own(array.name): len(array.rows) for array in self._arrays}
         for port in self.process.ports:
             if port.size is not None:
                 sizes[Name(self.arguments[port.name])] = port.size
         return sizes
 
-    def _group(self, items: Sequence[LocalChannel] | Sequence[InstanceOf]) -> None:
-        grouped: dict[str, dict[int, str]] = {}
-        for item in items:
-            place = indexed(item.name)
-            if place is not None:
-                grouped.setdefault(place[0], {})[place[1]] = item.name
-        for base, elements in grouped.items():
-            if sorted(elements) == list(range(len(elements))):
-                self._add_array(self.names[base], [elements[index] for index in sorted(elements)])
+    def _group(self, rows: Sequence[Row]) -> None:
+        for base, elements in arrays_of(rows).items():
+            self._add_array(self.names[base], elements, base)
 
-    def _add_array(self, name: str, elements: Sequence[str]) -> None:
-        array = Array(name, tuple(elements), {element: index for index, element in enumerate(elements)})
-        self._arrays.update(dict.fromkeys(array.elements, array))
+    def _add_array(self, name: str, elements: Elements[Row], base: str | None = None) -> None:
+        array = Array(name, elements)
+        self._arrays.append(array)
+        if base is not None and elements.are_known:
+            self._known[base] = array
+        else:
+            self._places.update({element: (array, index) for index, element in enumerate(array.elements)})
+
+    def with_lists_once(self, rows: Sequence[R]) -> Iterator[R]:
+        """The rows, but of those that are known to repeat and that are elements of lists only the first round."""
+        for repetition in repetitions(rows):
+            first = rows[repetition.start : repetition.start + repetition.length]
+            if repetition.rounds > 1 and all(self.place_of(row.name) is not None for row in first):
+                yield from first
+            else:
+                yield from repetition.of(rows)
 
     def _name_ends(self) -> dict[End, str]:
         names: dict[End, str] = {}
@@ -99,14 +120,25 @@ class Members:
                 names[whole] = self.names.fresh(f"{end.channel}_end_{end.end + 1}")
         return names
 
+    def place_of(self, name: str) -> tuple[Array, int] | None:
+        """The list that contains an instance or channel, and where."""
+        found = self._places.get(name)
+        if found is None and self._known:
+            place = indexed(name)
+            array = None if place is None else self._known.get(place[0])
+            if place is not None and array is not None and place[1] < len(array.rows):
+                return (array, place[1]) if array.rows[place[1]].name == name else None
+        return found
+
     def array_of(self, name: str) -> Array | None:
         """The list that contains an instance or channel."""
-        return self._arrays.get(name)
+        place = self.place_of(name)
+        return None if place is None else place[0]
 
     def attribute(self, name: str) -> Code:
         """``self.cell[3]`` for the channel or instance ``cell[3]``."""
-        array = self._arrays.get(name)
-        return own(self._plain[name]) if array is None else array.code.at(array.positions[name])
+        place = self.place_of(name)
+        return own(self._plain[name]) if place is None else place[0].code.at(place[1])
 
     channel = attribute
     instance = attribute
@@ -140,22 +172,26 @@ class Members:
         return isinstance(end, PortEnd) and self._ports[end.port].direction == "in"
 
 
-def lines_as_arrays(process: ProcessClass) -> dict[str, Sequence[str]]:
+def lines_as_arrays(process: ProcessClass) -> dict[str, Elements[Row]]:
     """Channels and instances with a line for each that are many and numbered, by what their names have in common;
     instances are made one directly after the other.
     """
-    if not any(sum("[" not in item.name for item in items) >= MANY for items in (process.channels, process.instances)):
+    rows = (examples(process.channels), examples(process.instances))
+    if not any(sum("[" not in item.name for item in items) >= MANY for items in rows):
         return {}
     channels = {item.name: (item.kind, item.type, item.capacity, item.doc) for item in process.channels}
     instances = {item.name: (item.class_name, item.doc) for item in process.instances}
     taken = {*channels, *instances, *(item.name for item in (*process.parameters, *process.ports))}
     taken |= {place[0] for place in map(indexed, taken) if place is not None}
-    found = numbered_lines(channels, taken)
+    places = {name: at for at, name in enumerate(channels)}
+    found: dict[str, Elements[Row]] = {}
+    for base, names in numbered_lines(channels, taken).items():
+        found[base] = Elements(process.channels, [Strand(places[name], 1, 1) for name in names])
     made = {item.instance: at for at, item in enumerate(process.creation) if isinstance(item, CreatedInstance)}
     declared = {name: at for at, name in enumerate(instances)}
     for base, names in numbered_lines(instances, taken).items():
         if _is_run(names, made) and _is_run(names, declared):
-            found[base] = names
+            found[base] = Elements(process.instances, [Strand(declared[name], 1, 1) for name in names])
     return found
 
 
@@ -185,14 +221,18 @@ def _reading_ends(process: ProcessClass, network: Network) -> KeysView[End]:
         ):
             found[end] = None
 
-    for part in parts(process.body) if process.body is not None else ():
+    for part in parts(process.body) if process.body is not None and (inputs or broadcast) else ():
         if isinstance(part, ReadValue | ReadyEvent | InputEvent | InputRead):
             add(part.source)
-    for instance in process.instances:
-        class_ = network.class_named(instance.class_name)
-        if isinstance(class_, SubmodelClass):
-            read = {port.name for port in class_.ports if port.direction == "in"}
-            for connection in instance.connections:
-                if connection.port in read:
-                    add(connection.attachment)
+    read = {
+        (entry.name, port.name)
+        for entry in network.classes
+        if isinstance(entry, SubmodelClass)
+        for port in entry.ports
+        if port.direction == "in"
+    }
+    for instance in process.instances if read else ():
+        for connection in instance.connections:
+            if (instance.class_name, connection.port) in read:
+                add(connection.attachment)
     return found.keys()

@@ -130,7 +130,7 @@ class _ProcessWriter(ConstructorWriter):
 
     def _instances(self) -> Iterable[Statement]:
         made: set[str] = set()
-        for instance in self.process.instances:
+        for instance in self.members.with_lists_once(self.process.instances):
             yield from self._made_instance(instance, made)
 
 

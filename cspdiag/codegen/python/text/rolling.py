@@ -7,7 +7,7 @@ that the generator has built, so the loop means the same as its elements by cons
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from itertools import groupby
+from itertools import accumulate, groupby
 from operator import attrgetter
 from typing import TypeVar
 
@@ -32,7 +32,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.statements import Statements, repeat
-from cspdiag.codegen.shared.trees import LEAST, Outline, outline, refilled, repeated, repetitions_from
+from cspdiag.codegen.shared.trees import LEAST, Outline, Stretch, outline, refilled, repeated, stretches
 
 T = TypeVar("T")
 
@@ -44,30 +44,41 @@ def rolled_list(elements: Sequence[Code], variable: str) -> Code:
     return _list(alike_runs(elements, variable), len(elements), variable)
 
 
-def rolled_rows(rows: Sequence[Outline], made: Callable[[int], Code], variable: str) -> Code:
+def rolled_rows(rows: Sequence[Stretch], made: Callable[[int], Code], variable: str) -> Code:
     """The same list of elements that ``made`` makes by their position, which is done for a few only: all that a row
     says of its element is in its shape, except for whole numbers, and the numbers of the element are among those of
     the row.
     """
-    outlines: list[Outline] = []
+    outlines: list[Stretch] = []
+    start = 0
     for _, group in groupby(rows, key=attrgetter("shape")):
-        outlines += _outlines_of([row.numbers for row in group], len(outlines), made)
-    return _list(_runs(outlines, made, variable), len(rows), variable)
+        alike = list(group)
+        outlines += _outlines_of(alike, start, made)
+        start += sum(row.count for row in alike)
+    return _list(_runs(outlines, made, variable), start, variable)
 
 
-def _outlines_of(rows: Sequence[tuple[int, ...]], start: int, made: Callable[[int], Code]) -> list[Outline]:
+def _outlines_of(rows: Sequence[Stretch], start: int, made: Callable[[int], Code]) -> list[Stretch]:
     """The outlines of elements from ``start`` on with rows of one shape."""
-    witnesses = [0, 1, len(rows) - 1]
-    if len(rows) > len(witnesses):
+    count = sum(row.count for row in rows)
+    first, last = rows[0], rows[-1]
+    second = first.numbers_at(1) if first.count > 1 or len(rows) == 1 else rows[1].numbers
+    witnesses = {0: first.numbers, 1: second, count - 1: last.numbers_at(last.count - 1)}
+    if count > len(witnesses):
         known = [outline(made(start + position)) for position in witnesses]
-        columns = _columns([one.numbers for one in known], [rows[position] for position in witnesses], rows)
+        columns = _columns([one.numbers for one in known], [*witnesses.values()], rows)
         if columns is not None and len({one.shape for one in known}) == 1:
-            return [Outline(known[0].shape, tuple([row[column] for column in columns])) for row in rows]
-    return [outline(made(start + position)) for position in range(len(rows))]
+            return [_with_columns(known[0].shape, row, columns) for row in rows]
+    return stretches(outline(made(start + position)) for position in range(count))
+
+
+def _with_columns(shape: Hashable, row: Stretch, columns: Sequence[int]) -> Stretch:
+    numbers, steps = row.numbers, row.steps
+    return Stretch(shape, tuple([numbers[at] for at in columns]), tuple([steps[at] for at in columns]), row.count)
 
 
 def _columns(
-    numbers: Sequence[tuple[int, ...]], witnesses: Sequence[tuple[int, ...]], rows: Sequence[tuple[int, ...]]
+    numbers: Sequence[tuple[int, ...]], witnesses: Sequence[tuple[int, ...]], rows: Sequence[Stretch]
 ) -> list[int] | None:
     """Where the ``numbers`` of elements are in the rows of these; None if that is not certain."""
     if len(set(map(len, numbers))) > 1:
@@ -78,10 +89,15 @@ def _columns(
     found: list[int] = []
     for values in zip(*numbers, strict=True):
         first, *others = places.get(values, (None,))
-        if first is None or any(row[first] != row[other] for other in others for row in rows):
+        if first is None or any(not _are_equal(row, first, other) for other in others for row in rows):
             return None
         found.append(first)
     return found
+
+
+def _are_equal(row: Stretch, one: int, other: int) -> bool:
+    """Whether two numbers of a stretch are equal in all outlines."""
+    return row.numbers[one] == row.numbers[other] and row.steps[one] == row.steps[other]
 
 
 def _list(runs: Iterable[tuple[int, int, Code]], count: int, variable: str) -> Code:
@@ -97,7 +113,7 @@ def alike_runs(elements: Sequence[T], variable: str) -> Iterator[tuple[int, int,
     """The elements, where those that follow one another and differ only in numbers that count are one, in which
     ``variable`` is the position: the position of the first, their number, and the element that they share.
     """
-    return _runs(_outlines(elements), elements.__getitem__, variable)
+    return _runs(stretches(_outlines(elements)), elements.__getitem__, variable)
 
 
 def _outlines(elements: Iterable[object]) -> list[Outline]:
@@ -111,43 +127,77 @@ def _outlines(elements: Iterable[object]) -> list[Outline]:
     return found
 
 
-def _runs(outlines: Sequence[Outline], made: Callable[[int], T], variable: str) -> Iterator[tuple[int, int, T]]:
-    whole = _template(made(0), outlines, variable, 0) if len(outlines) >= LEAST else None
+def _runs(outlines: Sequence[Stretch], made: Callable[[int], T], variable: str) -> Iterator[tuple[int, int, T]]:
+    count = sum(stretch.count for stretch in outlines)
+    whole = _template(made(0), outlines, variable, 0) if count >= LEAST else None
     if whole is not None:
-        yield 0, len(outlines), whole
+        yield 0, count, whole
         return
     start = 0
-    while start < len(outlines):
-        turns, _ = repetitions_from(outlines, start, 1, _counts)
-        alike = outlines[start : start + turns]
+    rest = list(reversed(outlines))
+    while rest:
+        alike, following = _counting(rest)
+        turns = sum(stretch.count for stretch in alike)
         part = _template(made(start), alike, variable, start) if turns >= LEAST else None
         if part is None:
-            turns, part = 1, made(start)
+            turns, part, following = 1, made(start), _without_first(rest)
         yield start, turns, part
         start += turns
+        rest = following
+
+
+def _counting(rest: Sequence[Stretch]) -> tuple[list[Stretch], list[Stretch]]:
+    """The longest stretch, in parts, from the last of these on, of which each number is the same or counts by one; and
+    those that follow it, the first one last.
+    """
+    first, others = rest[-1], list(rest[:-1])
+    if first.count > 1 and not _counts(first.steps):
+        return [first.first()], [*others, first.after_first()]
+    alike = [first]
+    steps = first.steps if first.count > 1 else None
+    while others and others[-1].shape == first.shape:
+        following, last = others[-1], alike[-1]
+        change = _change(last.numbers_at(last.count - 1), following.numbers)
+        if change != steps if steps is not None else not _counts(change):
+            break
+        steps = change
+        del others[-1]
+        if following.count > 1 and following.steps != steps:
+            alike.append(following.first())
+            others.append(following.after_first())
+            break
+        alike.append(following)
+    return alike, others
+
+
+def _without_first(rest: Sequence[Stretch]) -> list[Stretch]:
+    *others, first = rest
+    return others if first.count == 1 else [*others, first.after_first()]
+
+
+def _change(before: Sequence[int], after: Sequence[int]) -> tuple[int, ...]:
+    return tuple([later - earlier for earlier, later in zip(before, after, strict=True)])
 
 
 def template(elements: Sequence[T], variable: str, start: int = 0) -> T | None:
     """An expression or statement that equals the elements in turn as ``variable`` counts from ``start``; None if there
     is none.
     """
-    return _template(elements[0], map(outline, elements), variable, start)
+    return _template(elements[0], stretches(map(outline, elements)), variable, start)
 
 
-def _template(first: T, outlines: Iterable[Outline], variable: str, start: int) -> T | None:
+def _template(first: T, outlines: Sequence[Stretch], variable: str, start: int) -> T | None:
     """The same from the ``first`` of the elements and the outlines of all."""
-    rows: list[tuple[int, ...]] = []
-    shape: Hashable = None
-    for element in outlines:
-        if not rows:
-            shape = element.shape
-        elif element.shape != shape:
-            return None
-        rows.append(element.numbers)
+    if any(stretch.shape != outlines[0].shape for stretch in outlines):
+        return None
     counted: list[Code | None] = []
-    for values in zip(*rows, strict=True):
-        number = None if len(set(values)) == 1 else _counted(values, variable, start)
-        if number is None and len(set(values)) > 1:
+    for column in range(len(outlines[0].numbers)):
+        values = [(stretch.numbers[column], stretch.steps[column], stretch.count) for stretch in outlines]
+        if all(number == values[0][0] and not step for number, step, _ in values):
+            counted.append(None)
+            continue
+        number = _counted(values, variable, start)
+        if number is None:
             return None
         counted.append(number)
     return _refilled(first, counted)
@@ -191,14 +241,25 @@ def _counts(steps: Sequence[int]) -> bool:
     return all(step in (0, 1) for step in steps)
 
 
-def _counted(values: Sequence[int], variable: str, start: int) -> Code | None:
-    """An expression with these values, which may wrap around."""
-    offset, size = values[0] - start, len(values)
-    if all(value == start + position + offset for position, value in enumerate(values)):
+def _counted(values: Sequence[tuple[int, int, int]], variable: str, start: int) -> Code | None:
+    """An expression with these values, which may wrap around: some of them in sequence each by the first, the step and
+    their number.
+    """
+    offset, size = values[0][0] - start, sum(count for _, _, count in values)
+    positions = [*accumulate((count for _, _, count in values), initial=start)]
+    places = list(zip(positions, values, strict=False))
+    if all(first == place + offset and (count == 1 or step == 1) for place, (first, step, count) in places):
         return _shifted(variable, offset)
-    if start == 0 and all(value == (position + offset) % size for position, value in enumerate(values)):
+    if start == 0 and all(_wraps(place + offset, size, *stretch) for place, stretch in places):
         return infix("%", PRODUCT, _shifted(variable, offset), Constant(str(size)))
     return None
+
+
+def _wraps(place: int, size: int, first: int, step: int, count: int) -> bool:
+    """Whether values that count by a step are the remainders of numbers in sequence from ``place`` on."""
+    if count <= 2:
+        return all(first + step * position == (place + position) % size for position in range(count))
+    return step == 1 and first == place % size and first + count <= size
 
 
 def _shifted(variable: str, offset: int) -> Code:

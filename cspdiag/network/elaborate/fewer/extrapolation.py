@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from cspdiag.base import Span
 from cspdiag.base.record import field_names, is_record, replaced
+from cspdiag.network.elaborate.fewer.rows import Repetition, rows_of
 from cspdiag.network.elaborate.fewer.runs import INDEX, Run, rows_like, runs
 
 T = TypeVar("T")
@@ -87,13 +88,23 @@ class Extrapolation:
         before, after = list(runs(one)), list(runs(other))
         if len(before) != len(after):
             raise IrregularError
-        return tuple(chain.from_iterable(map(self._run, before, after)))
+        found: list[Iterable[Any]] = []
+        repetitions: list[Repetition] = []
+        start = 0
+        for pair in zip(before, after, strict=True):
+            rows, rounds = self._run(*pair)
+            found.append(rows)
+            length = len(pair[1].rows)
+            repetitions.append(Repetition(start, length, rounds))
+            start += length * rounds
+        return rows_of(chain.from_iterable(found), repetitions)
 
-    def _run(self, one: Run, other: Run) -> Iterable[Any]:
+    def _run(self, one: Run, other: Run) -> tuple[Iterable[Any], int]:
+        """The rows of a run, and the number of its rounds."""
         if (one.rounds == 1) != (other.rounds == 1) or len(one.rows) != len(other.rows):
             raise IrregularError
         if other.rounds == 1:
-            return map(self._item, one.rows, other.rows)
+            return map(self._item, one.rows, other.rows), 1
         if one.steps != other.steps:
             raise IrregularError
         rounds = self._number(one.rounds, other.rounds)
@@ -106,7 +117,8 @@ class Extrapolation:
             if self.only_ends:
                 numbers = [(first, step * (rounds - 1)) for first, step in numbers]
             columns.append(rows_like(row, numbers, 2 if self.only_ends else rounds))
-        return columns[0] if len(columns) == 1 else chain.from_iterable(zip(*columns, strict=True))
+        rows = columns[0] if len(columns) == 1 else chain.from_iterable(zip(*columns, strict=True))
+        return rows, 2 if self.only_ends else rounds
 
     def _require_known(self, numbers: Sequence[tuple[int, int]], known: int, rounds: int) -> None:
         """Numbers that count are -1, 0 or 1 at most in rounds that few elements have, too."""

@@ -10,6 +10,7 @@ from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, own, unsigned
 from cspdiag.codegen.c.text.numbered import at_first, stride
 from cspdiag.codegen.c.text.statements import Blank, Statement, store
+from cspdiag.network.elaborate.fewer.rows import rows_from
 from cspdiag.network.ir.actions import Action, Group, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import ProcessClass
 
@@ -102,6 +103,11 @@ def _elements(writer: Writer, steps: Sequence[Action], start: int) -> int:
     if index is None:
         return 1
     count = 1
+    known = rows_from(steps, start)
+    if known > 1:
+        last = steps[start + known - 1]
+        if isinstance(last, RunInstance) and writer.members.arrays.place(last.instance) == (array, index + known - 1):
+            count = known
     while start + count < len(steps):
         other = steps[start + count]
         if not isinstance(other, RunInstance) or writer.members.arrays.place(other.instance) != (array, index + count):

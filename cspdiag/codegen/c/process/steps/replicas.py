@@ -32,7 +32,7 @@ class Replicas:
 
 def replicas(members: Members, steps: Sequence[ir.Action], start: int, number: str) -> Replicas | None:
     """The branches from ``start`` that are alike; None if they are too few, or if they are instances of processes."""
-    if isinstance(steps[start], ir.RunInstance):
+    if isinstance(steps[start], ir.RunInstance) or len(steps) - start < LEAST:
         return None
     marked = CountableTree(members, _PLAIN)
     count, before, changes = 0, None, None

@@ -8,6 +8,7 @@ from typing import TypeVar
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.port_layout import elements
 from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium, channel_type, port_type
+from cspdiag.network.elaborate.fewer.rows import examples
 from cspdiag.network.ir.actions import PortEnd
 from cspdiag.network.ir.network import InstanceOf, LocalChannel, Port
 
@@ -103,7 +104,7 @@ def _end_declarations(members: Members) -> Iterator[StructMember]:
 
 def _channel_declarations(members: Members) -> Iterator[StructMember]:
     for channel, count in _grouped(members, members.process.channels):
-        name, access = members.plain[channel.name], access_of_channel(channel)
+        name, access = members.plain(channel.name), access_of_channel(channel)
         type_name = members.types.type_name(channel.type)
         yield StructMember(f"{channel_type(access, type_name)} {name}{count}", channel.doc)
         if channel.name in members.unwritten.variables[members.process.name]:
@@ -115,13 +116,13 @@ def _channel_declarations(members: Members) -> Iterator[StructMember]:
 def _instance_declarations(members: Members) -> Iterator[StructMember]:
     for instance, count in _grouped(members, members.process.instances):
         struct = members.types.names.classes[instance.class_name]
-        yield StructMember(f"struct {struct} {members.plain[instance.name]}{count}", instance.doc)
+        yield StructMember(f"struct {struct} {members.plain(instance.name)}{count}", instance.doc)
 
 
 def _grouped(members: Members, items: Sequence[T]) -> Iterator[tuple[T, str]]:
     done: set[str] = set()
-    for item in items:
-        base = members.plain[item.name]
+    for item in examples(items):
+        base = members.plain(item.name)
         if base not in done:
             done.add(base)
             size = members.arrays.size(item.name)

@@ -25,6 +25,7 @@ from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.laws.equations import finite_signals
 from cspdiag.codegen.shared.places_in_arrays import Arrays
 from cspdiag.model.types import Type
+from cspdiag.network.elaborate.fewer.rows import examples
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ResetStates, RunLaw
 from cspdiag.network.ir.expressions import ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
@@ -88,14 +89,13 @@ class Members:
         self.ports = self.layout.ports
         self.channels = {channel.name: channel for channel in process.channels}
         self.arrays = Arrays(
-            {item.name: (access_of_channel(item), item.type, item.capacity, item.doc) for item in process.channels},
-            {item.name: (item.class_name, item.doc) for item in process.instances},
+            (process.channels, lambda item: (access_of_channel(item), item.type, item.capacity, item.doc)),
+            (process.instances, lambda item: (item.class_name, item.doc)),
             taken={*self.parameters, *self.ports},
         )
-        self.plain = {
-            item.name: self.names[self.arrays.base(item.name)] for item in (*process.channels, *process.instances)
-        }
-        """The members of channels and instances; elements of arrays have the member of the array."""
+        self._plain: dict[str, str] = {}
+        for row in (*examples(process.channels), *examples(process.instances)):
+            self._plain[row.name] = self.names[self.arrays.base(row.name)]
         self._elements_by_number: dict[str, tuple[str, Numbered]] = {}
         self._numbers: dict[str, Code] = {}
         self.classes = {entry.name: entry for entry in self.network.classes}
@@ -128,6 +128,8 @@ class Members:
 
     def _own_variables(self) -> set[str]:
         """Variables that are not connected to a port of an instance."""
+        if not any(channel.kind == "var" for channel in examples(self.process.channels)):
+            return set()
         processes = (i for i in self.process.instances if isinstance(self.classes[i.class_name], ProcessClass))
         return self.channels.keys() - channels_of(processes)
 
@@ -161,9 +163,13 @@ class Members:
 
     # How members are written in expressions
 
+    def plain(self, name: str) -> str:
+        """The member of a channel or instance; elements of arrays have the member of the array."""
+        return self._plain.get(name) or self.names[self.arrays.base(name)]
+
     def member(self, name: str) -> Code:
         """The member of a channel or instance: ``cell[3]``."""
-        return self._element(self.plain[name], name)
+        return self._element(self.plain(name), name)
 
     def _element(self, array: str, name: str) -> Code:
         if name in self._elements_by_number:
@@ -181,7 +187,7 @@ class Members:
         while self._elements_by_number.setdefault(name, (array, index)) != (array, index):
             name += "[]"
         first = self.arrays.element(array, index.first)
-        self.plain[name] = self.plain[first]
+        self._plain[name] = self.plain(first)
         if first in self.channels:
             self.channels[name] = self.channels[first]
         else:
@@ -196,14 +202,14 @@ class Members:
 
     def add_variable(self, name: str) -> str:
         """The member for a variable of the generator, whose name cannot occur in the source text."""
-        self.plain[name] = self.names.fresh(name)
-        return self.plain[name]
+        self._plain[name] = self.names.fresh(name)
+        return self._plain[name]
 
     def written(self, name: str) -> Code | None:
         """The flag whether a variable was written; None if it always is before it is read."""
         if name not in self.unwritten.variables[self.process.name]:
             return None
-        return own(self._element(self.names[f"{self.plain[name]} written"], name))
+        return own(self._element(self.names[f"{self.plain(name)} written"], name))
 
     def _flag(self, name: str) -> Code | None:
         """A pointer to the flag whether a variable was written."""
@@ -338,7 +344,7 @@ class Members:
 
     def storage_name(self, channel: str) -> str:
         """The name of the member for the values of a buffer, or of an array of buffers."""
-        return self.names[f"{self.plain[channel]} values"]
+        return self.names[f"{self.plain(channel)} values"]
 
     def storage(self, channel: str) -> Code:
         """The member for the values of a buffer."""
