@@ -4,6 +4,7 @@ they need.
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -117,6 +118,34 @@ def test_cmake_knows_all_files(tmp_path: Path) -> None:
     assert missing == []
     folder = written(files, tmp_path)
     subprocess.run(["cmake", "-S", folder, "-B", folder / "build"], check=True, capture_output=True, env={**os.environ})
+
+
+@needs_compiler
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="there is no cmake")
+def test_cmake_may_optimize_the_whole_image(tmp_path: Path) -> None:
+    folder = written(pipeline.generate(network_of("buffer/buffer.csp"), read_source, "c"), tmp_path / "a package")
+    built, installed = tmp_path / "built", tmp_path / "installed"
+    whole = "-DCMAKE_INTERPROCEDURAL_OPTIMIZATION=ON"
+    for options in (
+        ["-S", folder, "-B", built, whole, "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"],
+        ["--build", built],
+        ["--install", built, "--prefix", installed],
+    ):
+        subprocess.run(["cmake", *map(str, options)], check=True, capture_output=True)
+    commands = json.loads((built / "compile_commands.json").read_text())
+    assert all("-flto" in each["command"] for each in commands)
+    (tmp_path / "main.c").write_text(
+        '#include "buffer_api.h"\n'
+        "int main(void) { static buffer_memory m; return buffer_begin(&m, sizeof m, 0, 0) != 0; }\n"
+    )
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.13)\nproject(user C)\nfind_package(buffer REQUIRED)\n"
+        "add_executable(user main.c)\ntarget_link_libraries(user buffer::buffer)\n"
+    )
+    found = f"-DCMAKE_PREFIX_PATH={installed}"
+    subprocess.run(["cmake", "-S", tmp_path, "-B", tmp_path / "user", whole, found], check=True, capture_output=True)
+    subprocess.run(["cmake", "--build", tmp_path / "user"], check=True, capture_output=True)
+    assert subprocess.run([tmp_path / "user" / "user"], check=False).returncode in (0, 1)
 
 
 @pytest.mark.parametrize("name", ["m", "c", "pthread", "rt", "dl", "util", "gcc", "test"])
