@@ -18,7 +18,7 @@ from cspdiag.settings import Overrides, SettingError, parse_settings
 from cspdiag.simulate.run.execute import chosen_environment
 from cspdiag.sweep.axes import Axis, AxisValue, Grid, grid_of
 from cspdiag.sweep.measures import Measures, parse_measures
-from cspdiag.sweep.programs import Programs, programs_of
+from cspdiag.sweep.programs import Identity, Programs, identity_of, programs_of
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
@@ -134,6 +134,7 @@ class Plan:
     request: Request
     texts: Mapping[str, str]
     """The files of the program."""
+    identity: Identity
     maker: NetworkMaker
     warnings: Sequence[Diagnostic]
     grid: Grid
@@ -201,13 +202,13 @@ class Plan:
             yield name, part, self.grid.axes[at].values[positions[at]]
 
     def token(self, version: str) -> str:
-        """A text that another sweep does not have: it is made of the program, the values, the measures, and the version
-        of cspdiag.
+        """A text that another sweep does not have: it is made of what the program says, the values, the measures, and
+        the version of cspdiag.
         """
         request = self.request
         axes = [(axis.name, *(value.text for value in axis.values)) for axis in self.grid.axes]
         whole = (
-            *(version, sorted(self.texts.items()), axes, self.measures.names),
+            *(version, self.identity, axes, self.measures.names),
             *(request.environment, request.until, request.real),
         )
         return sha256(repr(whole).encode()).hexdigest()[:32]
@@ -251,7 +252,8 @@ def plan_sweep(request: Request, reader: Reader, on_planned: Callable[[int, int]
     varied = tuple(at for at in tunable if not _is_tunable(grid.axes[at]))
     programs = programs_of(maker, grid, compiled, varied, on_planned)
     texts[request.source.name] = request.source.text
-    return Plan(request, texts, maker, found, grid, measures, compiled, tunable, programs, network)
+    identity = identity_of(texts, program.trees)
+    return Plan(request, texts, identity, maker, found, grid, measures, compiled, tunable, programs, network)
 
 
 def _environment(network: CoreNetwork) -> Environment | None:

@@ -1,21 +1,32 @@
-"""Which programs a sweep needs: one serves all values that make no difference but in numbers."""
+"""Which programs a sweep needs, as one serves all values that make no difference but in numbers; and what makes two
+programs the same: what they say, and the bodies that they use, but not their layout.
+"""
 
 from __future__ import annotations
 
+import re
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from math import prod
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from cspdiag.base.files.content import digest_of_file
 from cspdiag.base.record import record
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import Environment
 from cspdiag.network.ir.walk import parts
+from cspdiag.network.lower.external_bodies import files_of_bodies
 from cspdiag.network.lower.promoted import with_parameters
+from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
     from cspdiag.sweep.axes import Grid
+
+Identity: TypeAlias = tuple[tuple[str, object], ...]
+"""Names of files with what is in them, in order."""
+
+_PARTS = re.compile(r'"[^"\n]*"|//[^\n]*|/\*[\s\S]*?\*/|[A-Za-z0-9_.]+|\S', re.ASCII)
 
 
 @record
@@ -118,3 +129,17 @@ def _structural(axes: Sequence[int], sizes: Sequence[int], numbers: Sequence[int
         ):
             found.append(at)
     return tuple(found)
+
+
+def identity_of(texts: Mapping[str, str], trees: Iterable[ast.SourceTree]) -> Identity:
+    """The identity of a program: its texts without comments and spaces, and what the files of its bodies contain."""
+    bodies = dict.fromkeys(path for tree in trees for path in files_of_bodies(tree))
+    return (
+        *((name, said_by(text)) for name, text in sorted(texts.items())),
+        *((path, digest_of_file(path)) for path in sorted(bodies)),
+    )
+
+
+def said_by(text: str) -> tuple[str, ...]:
+    """The words and signs of a text that is a program."""
+    return tuple(part for part in _PARTS.findall(text) if not part.startswith(("//", "/*")))

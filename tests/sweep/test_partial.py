@@ -8,13 +8,17 @@ from pathlib import Path
 
 import pytest
 
+from cspdiag.base import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.sweep.partial import PartialTable, ResumeError
 from cspdiag.sweep.plan import Plan, Request, plan_sweep
+from cspdiag.sweep.programs import identity_of, said_by
 from cspdiag.sweep.result import Result
+from cspdiag.syntax.parser import parse
 from tests.sweep.programs import HEATER
 
+LAW_IN_C = 'submodel Law c "law.c" { in a : double out b : double }'
 RESULT = Result("failed", 0.1 + 0.2, 'a text, with "quotes"', (1 / 3, None))
 
 
@@ -107,6 +111,35 @@ def test_another_version_makes_another_sweep(plan: Plan, tmp_path: Path) -> None
         opened(plan, tmp_path, version="2")
     with pytest.raises(ResumeError, match="has results of an interrupted sweep"):
         opened(plan, tmp_path, resume=False)
+
+
+def token_of(text: str) -> str:
+    source = SourceFile(name="heater.csp", text=text)
+    request = Request(source=source, given={"gain": "1:2:9"}, measures=["max(power)"], environment=None, until=1)
+    return plan_sweep(request, read_source).token("1")
+
+
+def test_comments_and_layout_make_no_other_sweep() -> None:
+    other = HEATER.replace("\n", "\n\n  // Of the heater.\n", 3).replace(" = ", "  =  ")
+    assert other != HEATER
+    assert token_of("/* Warm. */ " + other) == token_of(HEATER)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"), [("a b", "ab"), ("x := 1", "x := 2"), ('"a  b"', '"a b"'), ("10 ms", "10 us")]
+)
+def test_what_a_program_says_makes_another_sweep(one: str, other: str) -> None:
+    assert said_by(one) != said_by(other)
+    assert said_by('"no // comment"') == ('"no // comment"',)
+
+
+def test_the_body_of_a_submodel_makes_another_sweep(tmp_path: Path) -> None:
+    body = tmp_path / "law.c"
+    tree = parse(SourceFile(name=str(tmp_path / "law.csp"), text=LAW_IN_C), Report())
+    body.write_text("one")
+    first = identity_of({}, [tree])
+    body.write_text("other")
+    assert first != identity_of({}, [tree])
 
 
 def test_a_full_disk_is_an_error_with_the_name_of_the_file(plan: Plan, tmp_path: Path) -> None:
