@@ -25,8 +25,10 @@ from cspdiag.simulate.hosts.messages import BadMessageError, Codec
 
 PATIENCE: Final = 1.0
 """Seconds without an answer after which a place is lost."""
-_BEAT: Final = 0.2
-"""Seconds after which a frame follows the last one, also without a message."""
+_BEAT: Final = 0.1
+"""Seconds after which a frame follows the last one, also without a message, at least, and one round trip."""
+_SELDOM_BEAT: Final = 0.2
+"""The longest such time: an answer takes two of them, and the round trip."""
 _BEAT_OF_LOST: Final = 0.25
 """Frames that wait in a slow network come before those that follow when it is back."""
 _AGAIN: Final = 0.05
@@ -120,6 +122,11 @@ class Link:
     def shortest_pause(self) -> float:
         """The pause before messages are sent again for the first time."""
         return max(_AGAIN, 2 * self.recent)
+
+    @property
+    def beat(self) -> float:
+        """Seconds after which a frame follows the last one."""
+        return min(max(_BEAT, self.recent), _SELDOM_BEAT)
 
     def lengthen_pause(self) -> None:
         """They are sent again."""
@@ -248,7 +255,7 @@ class Links:
             self._changed.notify_all()
         if link.waiting and not link.lost and now - link.since > link.pause:
             self._repeat(link, now)
-        elif now - link.sent > (_BEAT_OF_LOST if link.lost else _BEAT):
+        elif now - link.sent > (_BEAT_OF_LOST if link.lost else link.beat):
             self._transmit(link)
 
     def _repeat(self, link: Link, now: float) -> None:

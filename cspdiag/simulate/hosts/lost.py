@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from cspdiag.runtime.choice.alternative import Alternative
 from cspdiag.runtime.composition import Branches
+from cspdiag.runtime.kernel.exceptions import Timeout
 from cspdiag.runtime.kernel.scheduler import Task
 
 
@@ -46,3 +47,10 @@ def _raise_in(task: Task, error: Exception) -> bool:
     task.resume = throw
     task.ready_queue.append(task.entry)
     return True
+
+
+def silence_of(place: str, seconds: float) -> Timeout:
+    """What is raised because nothing has come from a place for so long."""
+    error = Timeout(f"the place `{place}` has been silent for {seconds:g} s")
+    error.is_of_link = True
+    return error

@@ -15,7 +15,7 @@ from cspdiag.runtime.channels.converting import Converting
 from cspdiag.runtime.deadlock.partners import report_deadlock
 from cspdiag.runtime.kernel.clock import Clock
 from cspdiag.runtime.kernel.durations import END_OF_TIME
-from cspdiag.runtime.kernel.exceptions import PartnerLost, RunFailed, Timeout, described
+from cspdiag.runtime.kernel.exceptions import PartnerLost, RunFailed, described
 from cspdiag.runtime.kernel.observer import Observer
 from cspdiag.runtime.kernel.party import Party
 from cspdiag.runtime.kernel.scheduler import Scheduler
@@ -28,7 +28,7 @@ from cspdiag.simulate.hosts.crossings import Crossings, without_withdrawn
 from cspdiag.simulate.hosts.division import Division
 from cspdiag.simulate.hosts.ends import Item
 from cspdiag.simulate.hosts.links import PATIENCE, Links
-from cspdiag.simulate.hosts.lost import raise_in_waiting
+from cspdiag.simulate.hosts.lost import raise_in_waiting, silence_of
 from cspdiag.simulate.hosts.messages import ended_item, error_of
 from cspdiag.simulate.hosts.processes import Elsewhere, Here, replace_instances
 from cspdiag.simulate.hosts.standstill import Standstill
@@ -37,7 +37,7 @@ from cspdiag.simulate.run.probes import parts_of
 _LOOK: Final = 0.05
 """Seconds after which a place that waits for messages looks whether it has to stop."""
 SILENCE: Final = 5.0
-"""Seconds after which a run in virtual time gives a silent place up."""
+"""Seconds after which a silent place is given up in virtual time, and by those that no channel connects with it."""
 _RAISE_AGAIN: Final = 0.1
 """Seconds after which a process that waits again for a lost place gets Timeout again."""
 _QUEUE: Final = 8
@@ -366,17 +366,17 @@ class DividedRun(NetworkRun):
             self._standstill.disturbed()
             for link in self._links.lost:
                 self._crossings.hand_back(link.place)
-                self._raise_timeouts(link.place)
+                if self._division.talks_to(link.place):
+                    waiting = self._crossings.waiting_for(link.place)
+                    raise_in_waiting(self._root, waiting, silence_of(link.place, PATIENCE))
+                elif time.monotonic() - link.heard > SILENCE:
+                    self._end_parts_of(link.place)
 
-    def _raise_timeouts(self, place: str) -> None:
-        error = Timeout(f"the place `{place}` has been silent for {PATIENCE:g} s")
-        error.is_of_link = True
-        if not self._division.talks_to(place):
-            for part in self._network.elsewhere.values():
-                if part.place == place:
-                    part.end(error)
-            return
-        raise_in_waiting(self._root, self._crossings.waiting_for(place), error)
+    def _end_parts_of(self, place: str) -> None:
+        """Only the parallel composition waits for the processes of that place: it cannot continue without them."""
+        for part in self._network.elsewhere.values():
+            if part.place == place:
+                part.end(silence_of(place, SILENCE))
 
     def _can_continue(self) -> bool:
         if self._doom is not None:

@@ -189,15 +189,21 @@ def test_a_lost_link_that_nobody_catches_ends_the_run_and_releases_the_outputs()
     assert list(source.releases) == []
 
 
-def test_places_without_channels_between_them_end_together_as_well() -> None:
+def test_places_without_channels_between_them_end_together_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runs, "SILENCE", 2.5)
     air = Air()
     with ThreadPoolExecutor() as pool:
         left = begin(pool, ALONE, "left", air, real_time=True)
         right = begin(pool, ALONE, "right", air, real_time=True)
         assert eventually(lambda: air.count > 60)
         air.is_cut = True
+        assert not eventually(lambda: left.done() or right.done(), 1.6)
+        air.is_cut = False  # A short loss matters to nobody.
+        assert not eventually(lambda: left.done() or right.done(), 1.6)
+        air.is_cut = True
         results = [left.result(timeout=30), right.result(timeout=30)]
     assert [run.outcome.ended for run in results] == ["failed", "failed"]
+    assert ["has been silent for 2.5 s" in str(run.outcome.error) for run in results] == [True, True]
     assert [port for run in results for _, port, _ in run.releases] == ["Two.u", "Two.v"]
 
 
