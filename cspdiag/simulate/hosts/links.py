@@ -2,8 +2,9 @@
 
 A frame numbers its messages, and acknowledges all messages of the other side up to a number. What is not acknowledged
 is sent again, all of it in one frame. Places send a frame regularly, also without a message, and each says which frame
-of the other side it answers: a place that has answered nothing that was sent within the last ``PATIENCE`` is lost until
-it does again. So both sides see that a link is lost, even if it is in one direction.
+of the other side it answers. After each answer the next frame asks for another one: a place that has not answered it
+after ``PATIENCE``, and the time that an answer takes, is lost until it does again. So both sides see that a link is
+lost, even if it is in one direction, and neither loses it for a pause that is shorter.
 
 A network may keep frames and bring them when it works again. Their messages are then not taken: they are sent again,
 with all that has been said since.
@@ -24,11 +25,11 @@ from cspdiag.runtime.real_time.jitter import Jitter
 from cspdiag.simulate.hosts.messages import BadMessageError, Codec
 
 PATIENCE: Final = 1.0
-"""Seconds without an answer after which a place is lost."""
+"""Seconds for which a place may be silent: it is lost after these and the time that an answer takes."""
 _BEAT: Final = 0.1
 """Seconds after which a frame follows the last one, also without a message, at least, and one round trip."""
 _SELDOM_BEAT: Final = 0.2
-"""The longest such time: an answer takes two of them, and the round trip."""
+"""The longest such time."""
 _BEAT_OF_LOST: Final = 0.25
 """Frames that wait in a slow network come before those that follow when it is back."""
 _AGAIN: Final = 0.05
@@ -38,6 +39,10 @@ long each further time.
 _SELDOM: Final = 0.4
 """The longest such time, or two round trips: a network that is slow must not get more to do than it can."""
 _LOOK: Final = 0.02
+_LONGEST_ANSWER: Final = 2 * _SELDOM_BEAT
+"""Seconds that an answer may take: more than that is silence."""
+LONGEST_SILENCE: Final = PATIENCE + _LONGEST_ANSWER
+"""Seconds without an answer after which a place is lost, whatever the network."""
 
 
 class PlaceError(CspdiagError):
@@ -94,6 +99,8 @@ class Link:
         """The process that the other place takes for this one."""
         self.heard = 0.0
         """When the last frame was sent that it is known to have heard, in seconds of this clock."""
+        self.asked: float | None = None
+        """When the first frame was sent after the last answer came: the next answer is to that one, or a later one."""
         self.sent = 0.0
         self.number = 0
         self.received = 0
@@ -127,6 +134,15 @@ class Link:
     def beat(self) -> float:
         """Seconds after which a frame follows the last one."""
         return min(max(_BEAT, self.recent), _SELDOM_BEAT)
+
+    @property
+    def longest_silence(self) -> float:
+        """Seconds after which it is lost if it has not answered: it answers in its next beat."""
+        return PATIENCE + min(self.beat + _LOOK + self.recent, _LONGEST_ANSWER)
+
+    def is_silent(self, now: float) -> bool:
+        """Whether it has had the time to answer, and has not."""
+        return self.asked is not None and now - self.asked > self.longest_silence
 
     def lengthen_pause(self) -> None:
         """They are sent again."""
@@ -220,6 +236,8 @@ class Links:
     def _transmit(self, link: Link, numbered: Collection[tuple[int, bytes]] = ()) -> None:
         now = time.monotonic_ns()
         link.sent = now / 1e9
+        if link.instance and link.asked is None:
+            link.asked = link.sent
         received, since = link.echo
         echo = (received, now - since)
         numbers, messages = zip(*numbered, strict=True) if numbered else ((0,), ())
@@ -246,7 +264,7 @@ class Links:
                 self.news()
 
     def _keep_up_with(self, link: Link, now: float) -> None:
-        silent = link.instance and not link.over and now - link.heard > PATIENCE
+        silent = link.instance and not link.over and link.is_silent(now)
         if silent and not self.begun:
             link.instance = link.knows = ""  # Another process may have the place.
         elif silent and not link.lost:
@@ -297,7 +315,7 @@ class Links:
             self._transmit(link)  # Which reports to it that another process has its place.
             return False
         if not link.instance:
-            link.instance, link.echo = frame.instance, (0, 0)
+            link.instance, link.echo, link.asked = frame.instance, (0, 0), None
         return True
 
     def _take(self, link: Link, frame: Frame, messages: list[Any], now: int) -> None:
@@ -307,11 +325,14 @@ class Links:
         if answered and answered != link.measured:
             link.measured = answered
             link.passed(max(0, now - answered - held))
+        if link.asked is not None and answered / 1e9 >= link.asked:
+            link.asked = None
+        ends_pause = now - link.echo[1] > 2 * link.beat * 1e9
         if frame.stamp > link.echo[0]:
             link.echo = (frame.stamp, now)
         sent = answered or now
         link.heard = max(link.heard, sent / 1e9)
-        is_late = now - sent > PATIENCE * 1e9
+        is_late = now - sent > link.longest_silence * 1e9
         self._acknowledged(link, frame.acknowledged, now / 1e9)
         if link.lost and not is_late:
             link.lost = False
@@ -323,6 +344,8 @@ class Links:
                 link.received += len(new)
                 self.inbox.extend([(link.place, message) for message in new])  # At once, as they belong together.
             self._transmit(link)
+        elif ends_pause:
+            self._transmit(link)  # So that no more of the other's patience is used up.
 
     def _acknowledged(self, link: Link, number: int, now: float) -> None:
         """All messages up to a number have arrived."""

@@ -14,7 +14,7 @@ import time
 from typing import Any, Final, TypeAlias
 
 from cspdiag.simulate.hosts.division import Division
-from cspdiag.simulate.hosts.links import PATIENCE, Links
+from cspdiag.simulate.hosts.links import LONGEST_SILENCE, Links
 
 _SETTLED: Final = 0.3
 """Seconds for which a place is idle before it reports that."""
@@ -80,7 +80,7 @@ class Standstill:
             return False
         if self._agreed is None:
             self._agreed = now
-        return now - self._agreed >= PATIENCE
+        return now - self._agreed >= LONGEST_SILENCE
 
     def _begin_again(self) -> None:
         self._since = self._agreed = None

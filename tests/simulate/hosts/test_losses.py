@@ -12,7 +12,7 @@ import pytest
 
 from cspdiag.simulate.hosts import part as gathering
 from cspdiag.simulate.hosts import run as runs
-from cspdiag.simulate.hosts.links import PATIENCE, Links, PlaceError
+from cspdiag.simulate.hosts.links import LONGEST_SILENCE, Links, PlaceError
 from cspdiag.simulate.hosts.messages import Codec
 from tests.simulate.hosts.conftest import pair
 from tests.simulate.hosts.places import Air, begin, eventually, run_place
@@ -97,7 +97,7 @@ def test_a_process_that_has_ended_before_the_run_began_can_be_replaced() -> None
         right = begin(pool, text, "right", air, until=SECOND // 50)
         assert eventually(lambda: abandoned.missing == ["top"])
         abandoned.close()
-        time.sleep(PATIENCE + 0.3)
+        time.sleep(LONGEST_SILENCE + 0.2)
         places = [begin(pool, text, place, air, until=SECOND // 50) for place in ("left", "top")]
         assert [place.result(timeout=30).outcome.ended for place in (*places, right)] == ["time limit"] * 3
 
