@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 
+import cspdiag
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.codegen.c.package.linkage import NAMES
@@ -294,6 +295,88 @@ def test_programs_with_the_names_of_files_and_of_the_kernel(file: str) -> None:
 def test_no_name_breaks_what_is_generated(seed: int, level: int) -> None:
     file, text = next(programs(seed))
     assert complaints(file, text, level) == "", text
+
+
+CONSTANTS = """
+submodel Qlaw(qk: double) {{
+  in  qx : double
+  out qy : double
+  state qs : double = 1
+  state qr : double = 2
+  der qs = (qx - qs) / 1<s>
+  der qr = (qs - qr + {sum}) / 1<s>
+  qy = qr * qk + {sum}
+}}
+process Qinner(qn: double) {{
+  in  qx : double @ 2 ms
+  out qy : double @ 2 ms
+  out qz : double
+  communication {{
+    qlaw : Qlaw(qk = qn)
+    var qv : double = {sum}
+    qx -> qlaw.qx
+    qlaw.qy -> qy
+  }}
+  composition {{ (seq qi < 2 : (qz ! qv + {sum} ; qv := qv + qn)) ; mu qlaw }}
+}}
+process Qouter {{
+  in  qx : double @ 2 ms
+  out qy : double @ 2 ms
+  out qz : double
+  communication {{
+    qinner : Qinner(qn = {sum} + 1)
+    qx -> qinner.qx
+    qinner.qy -> qy
+    qinner.qz -> qz
+  }}
+  composition {{ qinner }}
+}}
+environment Qbench for Qouter step 1 ms {{
+  qplant : Qlaw(qk = {sum})
+  qy -> qplant.qx
+  qplant.qy -> qx
+  qz -> _
+}}
+"""
+
+
+def names_in_functions() -> Iterator[str]:
+    """The names that generated functions have for something: parameters, variables, and all that looks like them."""
+    for name in ("cascade", "emergency"):
+        for target in ("c", "python"):
+            for level in (0, 1):
+                for path, text in pipeline.generate(network(name), read, target, level).items():
+                    if path.endswith((".c", ".py")) and not {"support", "runtime"} & {*Path(path).parts}:
+                        yield from re.findall(r"\b[a-z_]\w*\b", text)
+
+
+def allowed_as_constants(names: set[str]) -> list[str]:
+    """Those that the language allows."""
+    while True:
+        text = "".join(f"const {name} = 1.0\n" for name in sorted(names)) + "process P { composition { skip } }\n"
+        found = pipeline.check(SourceFile(name="names.csp", text=text), read).report.diagnostics
+        refused = {text.splitlines()[entry.span.line - 1].split()[1] for entry in found if entry.severity == "error"}
+        if not refused & names:
+            return sorted(names)
+        names -= refused
+
+
+def test_constants_have_their_values_however_they_are_called(tmp_path: Path) -> None:
+    """Whatever names functions have: a constant of this name is not hidden by them."""
+    constants = allowed_as_constants({*names_in_functions()})
+    assert {"h", "now", "name", "k1", "party", "progress", "slopes"} <= {*constants}
+    declarations = "".join(f"const {name} = {number}.0\n" for number, name in enumerate(constants, 1))
+    parts = [" + ".join(constants[start : start + 40]) for start in range(0, len(constants), 40)]
+    total = f"({' + '.join(f'({part})' for part in parts)}) / 1000000"
+    file = tmp_path / "names.csp"
+    file.write_text(declarations + CONSTANTS.format(sum=total))
+    program = cspdiag.load(file)
+    expected = program.run(until="6 ms", level="reference")
+    for target in ("python", "c") if shutil.which("gcc") else ("python",):
+        for level in (0, 1):
+            run = program.run(until="6 ms", target=target, level=level)
+            for port in ("qy", "qz"):
+                assert (*run[port],) == (*expected[port],), (target, level, port)
 
 
 def hunt(count: int, first: int) -> None:

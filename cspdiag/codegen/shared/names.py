@@ -44,6 +44,10 @@ class GivenNames:
         """Whether a name of the language is taken."""
         return name in self._names.taken
 
+    def avoid(self, names: Iterable[str]) -> None:
+        """Take names, so that no further one is among them."""
+        self._names.taken.update(names)
+
     def fresh(self, text: str) -> str:
         """A new name, as similar to ``text`` as possible."""
         wanted = self._identifier(text)

@@ -107,8 +107,25 @@ _INTERFACE_CONSTANTS = words(
 )
 """The same for its constants and macros."""
 
-_NETWORK_NAMES = words("external present brought port_table process_name channel_name exception_names copy_name")
-"""Names in the file that builds the network, besides that of the outermost process."""
+_NETWORK_NAMES = words(
+    """
+    external present brought port_table process_name channel_name exception_names copy_name
+    network_initialize network_set network_program network_drivers network_defaults network_variable_names
+    network_process_names network_process_count network_process_kinds
+    network_channel_names network_channel_sizes network_channel_count
+    """
+)
+"""Names in the files that build the network, besides that of the outermost process."""
+
+
+LOCAL = words(
+    "self process party progress condition numbers ports samples first_report index i value number state program now "
+    "present device last input context h half sixth step steps t time k1 k2 k3 k4 slope slopes"
+)
+"""Parameters and local variables of generated functions, which would hide a constant of the program."""
+
+
+_KINDS = words("bool double float int8 int16 int32 int64 uint8 uint16 uint32 uint64 csp_time")
 
 
 class PackageNames(Package):
@@ -157,6 +174,9 @@ class PackageNames(Package):
             for name in network.exceptions
             if name not in ("Timeout", "Fault")
         }
+        self._names.avoid(LOCAL)
+        kinds = (*_KINDS, *self.types.values())
+        self._names.avoid(f"{verb}_{kind}" for verb in ("read", "write", "poll") for kind in kinds)
         self.constants: Mapping[str, str] = {entry.name: self._names.fresh(entry.name) for entry in network.constants}
         members = Names()
         self.parameters: Mapping[str, str] = {entry.name: members[entry.name] for entry in network.parameters}

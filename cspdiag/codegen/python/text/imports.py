@@ -16,7 +16,8 @@ class Imports:
     def __init__(self, names: PackageNames, *, taken: Iterable[str] = (), dots: str = ".") -> None:
         """``taken`` are the names that have another meaning in the module; ``dots`` lead to the package."""
         self.names = names
-        self._taken = frozenset(taken) | names.globals
+        self._local = frozenset(taken)
+        self._taken = self._local | names.globals
         self._dots = dots
         self._relative: dict[str, set[str]] = defaultdict(set)
         self._standard: dict[str, set[str]] = defaultdict(set)
@@ -69,7 +70,7 @@ class Imports:
     def constant(self, name: str) -> str | None:
         """A ``const`` of the text; None if a name of the module hides it."""
         python = self.names.constants.get(name)
-        if python is None or python in self._taken - self.names.globals:
+        if python is None or python in self._local:
             return None
         return self._from("constants", python)
 

@@ -65,6 +65,7 @@ class _SubmodelWriter:
         self.names = signal_names(class_)
         self.types = signal_types(class_)
         taken = {self.names[name] for name in self.types}
+        self.names.avoid(names.globals)
         self.imports = Imports(names, taken=taken | INTEGRATION)
         self.constants = constants_needed(class_)
         self.integration = Integration(class_, self.names, self._place, self.imports)
