@@ -81,6 +81,8 @@ class KeywordAsName(Diagnostic):
 
     @property
     def help(self) -> str | None:
+        if self.word == "_":
+            return "only an arrow can discard values, as in `sensor.level -> _`; a process reads into a variable"
         return f"choose another name, for example `{self.word}_`"
 
 
