@@ -6,12 +6,14 @@ everything.
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
 import re
 import sys
 from argparse import Action, ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, NoReturn, Protocol, cast
 
@@ -125,8 +127,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         standard_streams.standard_output().flush()
     except OSError as problem:
-        return _exit_code_of_io_error(problem, code)
+        code = _exit_code_of_io_error(problem, code)
+    if arguments is None:
+        _end_at_once_if_needed(code)
     return code
+
+
+def _end_at_once_if_needed(code: int) -> None:
+    """Ends the process if the network still has threads of it: the interpreter, which would kill them when it shuts
+    down, must not do that to a thread that is in another language; the process would be aborted, or never end.
+    """
+    network = sys.modules.get("cspdiag.simulate.hosts.network")
+    if network is None or not network.has_threads():
+        return
+    atexit._run_exitfuncs()  # Those of drivers.
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError, AttributeError):
+            stream.flush()
+    os._exit(code)
 
 
 def _exit_code_of(given: list[str], *, whole_process: bool) -> int:

@@ -27,6 +27,8 @@ _RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor":
 _DIRECTLY = "directly"
 _LOOK = 0.05
 """Seconds after which a place that connects looks whether it has to stop."""
+_threads: list[threading.Thread] = []
+"""All that make or close connections, or did."""
 
 
 class ZenohTransport:
@@ -77,9 +79,7 @@ class ZenohTransport:
             },
         )
         answers: SimpleQueue[Any] = SimpleQueue()
-        connecting = threading.Thread(target=_open, args=(zenoh, config, answers), name="connecting", daemon=True)
-        with left_to_the_main_thread():
-            connecting.start()
+        connecting = _started("connecting", _open, zenoh, config, answers)
         while connecting.is_alive():
             connecting.join(_LOOK)
             stopping.check()
@@ -128,13 +128,24 @@ class ZenohTransport:
         """See ``Transport.close``."""
         # Over a link that is gone it waits for ten seconds, and then fails.
         sessions = [session for session in (self._session, self._direct) if session is not None]
-        closing = [threading.Thread(target=_close, args=(each,), name="link", daemon=True) for each in sessions]
         until = time.monotonic() + _PATIENCE
-        with left_to_the_main_thread():
-            for thread in closing:
-                thread.start()
+        closing = [_started("link", _close, session) for session in sessions]
         for thread in closing:
             thread.join(max(0.0, until - time.monotonic()))
+
+
+def has_threads() -> bool:
+    """Whether connections of this process are still being made or closed, in threads that cannot be ended."""
+    return any(thread.is_alive() for thread in _threads)
+
+
+def _started(name: str, does: Callable[..., None], *arguments: Any) -> threading.Thread:
+    """A thread that does something which may take longer than anybody waits for it."""
+    thread = threading.Thread(target=does, args=arguments, name=name, daemon=True)
+    _threads.append(thread)
+    with left_to_the_main_thread():
+        thread.start()
+    return thread
 
 
 def _close(session: Any) -> None:

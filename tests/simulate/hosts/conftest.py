@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -72,10 +72,12 @@ def start() -> Iterator[Start]:
     pytest.importorskip("zenoh")
     started: list[subprocess.Popen[str]] = []
 
-    def begin(file: Path, place: str, port: int, *options: object) -> subprocess.Popen[str]:
+    def begin(
+        file: Path, place: str, port: int, *options: object, program: Sequence[str] = (sys.executable, "-m", "cspdiag")
+    ) -> subprocess.Popen[str]:
         command = ["run", str(file), "--place", f"{place}@127.0.0.1:{port}", *map(str, options)]
         process = subprocess.Popen(
-            [sys.executable, "-m", "cspdiag", *command],
+            [*program, *command],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
