@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from threading import Timer
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.render.snippet import on_one_line
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from cspdiag.simulate.result import Run
 
 _Writer = Callable[[Any], object]
+_PATIENCE = 2.0
+"""Seconds after which a recording that is still being written is announced."""
 
 
 class _RecordingFailedError(Exception):
@@ -94,13 +97,22 @@ def _finish(recording: Recording, result: Run) -> None:
 
 def _finish_file(path: Path | str, recording: Recording, result: Run) -> None:
     """The same, but a run that failed before anything happened, as when a device is not there, leaves what an earlier
-    one recorded.
+    one recorded. What takes long is announced: npz and Parquet of a long run are written at its end.
     """
+    from cspdiag.runtime.kernel.signals import left_to_the_main_thread
+
     if result.outcome.exit_code and recording.is_empty and recording.problem is None:
         recording.discard()
         say(f"cspdiag: nothing was recorded, so {on_one_line(path)} was not written")
         raise _RecordingFailedError
-    _finish(recording, result)
+    with left_to_the_main_thread():
+        notice = Timer(_PATIENCE, say, [f"cspdiag: writing {on_one_line(path)}"])
+        notice.daemon = True
+        notice.start()
+    try:
+        _finish(recording, result)
+    finally:
+        notice.cancel()
 
 
 def _write(requested: list[tuple[Path | str, _Writer]]) -> list[Path | str]:

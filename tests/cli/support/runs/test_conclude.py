@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import signal
 from pathlib import Path
+from time import sleep
 
 import pytest
 
 from cspdiag.cli.main import main
+from cspdiag.cli.support.runs import conclude
 from cspdiag.simulate.record.streamed.table import Table
 
 PROGRAM = """
@@ -82,3 +84,21 @@ def test_a_further_signal_does_not_affect_a_stopped_run(
     assert "Main in Bench: stopped by SIGTERM at 50 ms" in reported
     assert "wrote main.csv, main.jsonl" in reported
     assert (tmp_path / "main.csv").read_text().splitlines()[-1].endswith(",-1.0")
+
+
+def test_a_recording_that_takes_long_to_write_is_announced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(conclude, "_PATIENCE", 0.05)
+    (tmp_path / "main.csp").write_text(PROGRAM)
+    (tmp_path / "card.py").write_text(CARD)
+    close = Table.close
+
+    def slow(self: Table, ended: str, time: int) -> None:
+        sleep(0.5)
+        close(self, ended, time)
+
+    monkeypatch.setattr(Table, "close", slow)
+    file = tmp_path / "values.csv"
+    assert main(["run", str(tmp_path / "main.csp"), "--for", "50ms", "--record", str(file)]) == 0
+    assert f"cspdiag: writing {file}\n" in capfd.readouterr().err
