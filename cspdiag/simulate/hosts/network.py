@@ -79,11 +79,13 @@ class ZenohTransport:
             },
         )
         answers: SimpleQueue[Any] = SimpleQueue()
-        connecting = _started("connecting", _open, zenoh, config, answers)
+        connecting = _started("connecting", _open, zenoh, self._address, config, answers)
         while connecting.is_alive():
             connecting.join(_LOOK)
             stopping.check()
         answer = answers.get()
+        if isinstance(answer, OSError):
+            raise PlaceError(f"the host of {self._address} is unknown here ({answer.strerror})")
         if not isinstance(answer, zenoh.ZError):
             return answer
         if _accepts(self._address):
@@ -153,19 +155,25 @@ def _close(session: Any) -> None:
         session.close()
 
 
-def _open(zenoh: Any, config: Any, answers: SimpleQueue[Any]) -> None:
+def _open(zenoh: Any, address: str, config: Any, answers: SimpleQueue[Any]) -> None:
     """Answers with a session, or with why there is none."""
     try:
+        _found(address)  # Of a name that nobody knows Zenoh says after all its tries that they took too long.
         answers.put(zenoh.open(config))
-    except zenoh.ZError as error:
+    except (OSError, zenoh.ZError) as error:
         answers.put(error)
+
+
+def _found(address: str) -> list[tuple[Any, ...]]:
+    """The ways to an address by datagrams, as ``socket.getaddrinfo`` has them. Raises OSError."""
+    host, _, port = address.rpartition(":")
+    return socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_DGRAM)
 
 
 def _own_address(address: str) -> str:
     """The address of this machine at which those that are near another one reach it, too."""
-    host, _, port = address.rpartition(":")
     with suppress(OSError):
-        for family, kind, protocol, _, place in socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_DGRAM):
+        for family, kind, protocol, _, place in _found(address):
             with socket.socket(family, kind, protocol) as probe:
                 probe.connect(place)
                 own = str(probe.getsockname()[0])

@@ -87,11 +87,12 @@ class Part:
 
 def _give_up_if_hopeless(links: Links) -> None:
     """Raises PlaceError if the places cannot run together, as this one sees or another one has reported."""
-    for place, (what, *rest) in tuple(links.inbox):
+    for _, (what, *rest) in tuple(links.inbox):
         if what == "bye":
-            raise PlaceError(f"the place `{place}` has ended: {rest[1]}")
+            _, place, why = rest
+            raise PlaceError(f"the place `{place}` has ended: {why}")
     if isinstance(links.problem, DifferentProgramError):
-        links.broadcast(("bye", "failed", str(links.problem)))
+        links.broadcast(("bye", "failed", links.place, str(links.problem)))
     if links.problem is not None:
         raise links.problem
 

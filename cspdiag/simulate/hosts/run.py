@@ -135,6 +135,8 @@ class DividedRun(NetworkRun):
         self._limit_is_reached = False
         """Whether another place has come to the time limit, which is also that of this one."""
         self._standstill = Standstill(self._division, self._links)
+        self._first_end: tuple[str, str] | None = None
+        """The place that ended first, so that the run has to end, and why."""
         self._deadlock: PartnerLost | None = None
         """That another place has ended with a deadlock, in real time."""
         self._doom: PartnerLost | None = None
@@ -196,12 +198,13 @@ class DividedRun(NetworkRun):
                 self._standstill.received(place)
                 self._arrived += [(place, tuple(item)) for item in rest[0]]
 
-    def _hear_end(self, place: str, ended: str, why: str) -> None:
+    def _hear_end(self, place: str, ended: str, first: str, why: str) -> None:
         self._links.by_place[place].over = True
         self._limit_is_reached |= ended == "time limit"
         if ended in ("terminated", "time limit"):
             return
-        end = PartnerLost(f"the place `{place}` has ended: {why}")
+        first, why = self._first_end = self._first_end or (first, why)
+        end = PartnerLost(f"the place `{first}` has ended: {why}")
         if ended == "deadlock" and self._clock.real:
             self._deadlock = end
         else:
@@ -220,8 +223,11 @@ class DividedRun(NetworkRun):
         why = {"stopped": "it was stopped", "deadlock": "a deadlock"}.get(outcome.ended, outcome.ended)
         if outcome.error is not None:
             why = described(outcome.error)
+        end = (self._division.place, why)
+        if isinstance(outcome.error, PartnerLost) and self._first_end is not None:
+            end = self._first_end
         outcome.links = self._links.report()
-        self._links.broadcast(("bye", outcome.ended, why))
+        self._links.broadcast(("bye", outcome.ended, *end))
         return outcome
 
     def _observe(self) -> None:

@@ -112,7 +112,7 @@ def test_a_place_that_cannot_start_reports_it_to_those_that_it_has_found() -> No
         begin(pool, text, "right", air, program={"program": "2"})
         reason = str(left.exception(timeout=20))
     assert reason == "the place `right` has another program; start all places with the same files and options"
-    assert list(top.inbox) == [("left", ("bye", "failed", reason))]
+    assert list(top.inbox) == [("left", ("bye", "failed", "left", reason))]
     top.close()
 
 
@@ -123,7 +123,7 @@ def test_a_place_gives_up_when_another_reports_that_the_run_cannot_start() -> No
     with ThreadPoolExecutor() as pool:
         top = begin(pool, text, "top", air)
         assert eventually(lambda: left.missing == ["right"])
-        left.broadcast(("bye", "failed", "the place `right` has another program"))
+        left.broadcast(("bye", "failed", "left", "the place `right` has another program"))
         with pytest.raises(PlaceError, match="the place `left` has ended: the place `right` has another program"):
             top.result(timeout=20)
     left.close()
@@ -228,6 +228,26 @@ def test_a_place_that_fails_ends_the_others() -> None:
         right = begin(pool, text, "right", air, real_time=True)
         outcomes = [left.result(timeout=30).outcome, right.result(timeout=30).outcome]
     assert ["division by zero" in str(outcome.error) for outcome in outcomes] == [True, True]
+
+
+def test_all_places_end_with_the_reason_of_the_first_one() -> None:
+    air = Air()
+    top = Links(air.transport(), Codec(None), "top", ["left", "right"], {})
+    top.open()
+    with ThreadPoolExecutor() as pool:
+        left, right = (begin(pool, three_places(), place, air, real_time=True) for place in ("left", "right"))
+        assert eventually(lambda: not top.missing)
+        top.begun = True
+        top.broadcast(("ready",))
+        assert eventually(lambda: len(top.inbox) > 3)
+        top.send("left", ("bye", "failed", "bottom", "a reason"))  # As one place more would have reported to it.
+        outcomes = [place.result(timeout=30).outcome for place in (left, right)]
+        assert eventually(lambda: len([each for each in top.inbox if each[1][0] == "bye"]) == 2)
+    assert [str(outcome.error) for outcome in outcomes] == ["the place `bottom` has ended: a reason"] * 2
+    assert {each for each in top.inbox if each[1][0] == "bye"} == {
+        (place, ("bye", "failed", "bottom", "a reason")) for place in ("left", "right")
+    }
+    top.close()
 
 
 def test_a_message_is_sent_again_after_the_package_of_the_program_has_gone(monkeypatch: pytest.MonkeyPatch) -> None:

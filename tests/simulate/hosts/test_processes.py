@@ -9,6 +9,7 @@ import threading
 import time
 from argparse import Namespace
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
@@ -109,6 +110,20 @@ def test_a_place_that_cannot_connect_says_why(listens: bool, why: str) -> None:
             ZenohTransport(address, "room", listens=False, patience=0.5).open("other", lambda data: None)
 
 
+def test_a_place_says_at_once_that_a_host_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("zenoh")
+
+    def nobody_knows(*_: object, **__: object) -> NoReturn:
+        raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
+
+    monkeypatch.setattr(socket, "getaddrinfo", nobody_knows)
+    why = r"the host of no\.such\.host:7447 is unknown here \(Name or service not known\)"
+    began = time.monotonic()
+    with pytest.raises(PlaceError, match=why):
+        ZenohTransport("no.such.host:7447", "room", listens=False, patience=30).open("other", lambda data: None)
+    assert time.monotonic() - began < 10
+
+
 def test_a_link_that_was_cut_comes_back(start: Start, tmp_path: Path) -> None:
     file, port, record = tmp_path / "pair.csp", free_port(), tmp_path / "right.csv"
     caught = "catch Timeout -> (timeouts := timeouts + 1 ; value ! -timeouts)"
@@ -180,7 +195,7 @@ def test_options_that_places_do_not_have(capsys: pytest.CaptureFixture[str], tmp
     file = tmp_path / "pair.csp"
     file.write_text(pair(5))
     for options, message in (
-        (["--place", "left"], "--place left: write NAME@HOST:PORT, such as pan@192.168.1.7:7447"),
+        (["--place", "left"], "--place left: write NAME@HOST:PORT, such as pan@192.168.1.7:7447 or pan@[fd00::7]:7447"),
         (["--place", "left@h:99999"], "--place left@h:99999: write NAME@HOST:PORT"),
         (["--place", "up@h:1"], "the environment `Bench` has no place `up`; it has `left`, `right`"),
         (["--place", "left@h:1", "--target", "c"], "--target is not for --place: places run in Python"),

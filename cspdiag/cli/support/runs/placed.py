@@ -29,7 +29,7 @@ def seat_of(text: str) -> Seat:
 
     found = _SEAT.fullmatch(text)
     if found is None or not 0 < int(found["port"]) < 65536:
-        raise UsageError(f"--place {text}: write NAME@HOST:PORT, such as pan@192.168.1.7:7447")
+        raise UsageError(f"--place {text}: write NAME@HOST:PORT, such as pan@192.168.1.7:7447 or pan@[fd00::7]:7447")
     return Seat(found["place"], f"{found['host']}:{found['port']}")
 
 
