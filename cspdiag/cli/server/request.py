@@ -30,9 +30,9 @@ _PATIENCE = 5.0
 _INTERRUPTED = 130
 
 LEAVE = b"leave"
-"""What the process tells the server: to end."""
+"""What the process sends to the server, for it to end."""
 USED = b"used"
-"""What the process tells the server: the programs that were checked follow."""
+"""What the process sends to the server: the programs that were checked follow."""
 
 
 def carry_out(connection: socket.socket, to_server: int, code: Code, memory: Memory, status: dict[str, object]) -> None:
@@ -75,24 +75,24 @@ def _listen_to(connection: socket.socket) -> None:
     connection.setblocking(True)
     process = os.getpid()
 
-    def hear(*_: object) -> None:
+    def receive(*_: object) -> None:
         try:
-            heard = connection.recv(1, socket.MSG_DONTWAIT)
+            received = connection.recv(1, socket.MSG_DONTWAIT)
         except BlockingIOError:
             return
         except OSError:
-            heard = b""
-        if heard == messages.INTERRUPT:
+            received = b""
+        if received == messages.INTERRUPT:
             raise KeyboardInterrupt
-        if not heard:
+        if not received:
             # As the signal would have ended the command, whatever it was doing.
             os.kill(process, signal.SIGTERM)
 
-    signal.signal(signal.SIGIO, hear)
+    signal.signal(signal.SIGIO, receive)
     fcntl.fcntl(connection, fcntl.F_SETOWN, process)
     fcntl.fcntl(connection, fcntl.F_SETFL, fcntl.fcntl(connection, fcntl.F_GETFL) | os.O_ASYNC)
     # What came before.
-    hear()
+    receive()
 
 
 def _become(

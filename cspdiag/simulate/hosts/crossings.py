@@ -9,18 +9,18 @@ from cspdiag.runtime.channels.broadcast import Broadcast, BroadcastEnd
 from cspdiag.runtime.channels.channel import Channel
 from cspdiag.runtime.kernel.scheduler import Scheduler
 from cspdiag.simulate.hosts.division import Division
-from cspdiag.simulate.hosts.ends import ReceivingEnd, SendingEnd, Tell
+from cspdiag.simulate.hosts.ends import ReceivingEnd, Send, SendingEnd
 
 
 class Crossings:
-    """The ends, in this place, of all channels to and from others; ``tell`` sends what they have to tell."""
+    """The ends, in this place, of all channels to and from others; ``send`` sends what happens at them."""
 
     def __init__(
         self,
         division: Division,
         channels: Mapping[str, Channel[Any] | Broadcast[Any]],
         scheduler: Scheduler,
-        tell: Tell,
+        send: Send,
     ) -> None:
         self.paths = frozenset(crossing.path for crossing in division.crossings)
         self._sending: dict[tuple[str, str], SendingEnd] = {}
@@ -32,17 +32,17 @@ class Crossings:
                 for reader in crossing.readers:
                     end = channel.reader() if isinstance(channel, Broadcast) else channel
                     assert isinstance(end, Channel | BroadcastEnd)
-                    self._sending[reader, crossing.path] = SendingEnd(end, reader, tell)
+                    self._sending[reader, crossing.path] = SendingEnd(end, reader, send)
             elif division.place in crossing.readers:
                 _keep_own_ends(channel, division)
-                self._receiving[crossing.path] = ReceivingEnd(channel, crossing.writer, scheduler, tell)
+                self._receiving[crossing.path] = ReceivingEnd(channel, crossing.writer, scheduler, send)
 
     def step(self) -> None:
         """Tells the readers elsewhere what the writers of this place have begun and given up since the last step."""
         for end in self._sending.values():
             end.step()
 
-    def hear(self, place: str, doing: str, channel: str, number: int, value: Any, writer: str) -> None:
+    def receive(self, place: str, doing: str, channel: str, number: int, value: Any, writer: str) -> None:
         """An item of another place has arrived."""
         match doing:
             case "offer":

@@ -25,7 +25,7 @@ Doing: TypeAlias = Literal["offer", "withdraw", "taken", "returned"]
 
 
 class Item(NamedTuple):
-    """What one end of a channel tells the other: the value is offered by a writer, withdrawn, was taken, or goes back
+    """What one end of a channel sends to the other: the value is offered by a writer, withdrawn, was taken, or returns
     without having been taken. ``number`` counts the offers.
     """
 
@@ -36,7 +36,7 @@ class Item(NamedTuple):
     writer: str = ""
 
 
-Tell: TypeAlias = Callable[[str, Item], None]
+Send: TypeAlias = Callable[[str, Item], None]
 """Sends an item to a place."""
 
 
@@ -58,10 +58,10 @@ class _Arrivals(Selector):
 class SendingEnd:
     """The end of the readers in ``place``, in the place of the writer."""
 
-    def __init__(self, end: Channel[Any] | BroadcastEnd[Any], place: str, tell: Tell) -> None:
+    def __init__(self, end: Channel[Any] | BroadcastEnd[Any], place: str, send: Send) -> None:
         self.end = end
         self.place = place
-        self._tell = tell
+        self._send = send
         self._arrivals = _Arrivals()
         self._number = 0
         self._offered = 0
@@ -80,7 +80,7 @@ class SendingEnd:
         waits = self._arrivals.ready
         if self._offered and (not waits or self._offered != self._arrivals.count):
             self._offered = 0
-            self._tell(self.place, Item("withdraw", self.end.name, self._number))
+            self._send(self.place, Item("withdraw", self.end.name, self._number))
         if waits and self._answered == self._number:
             offered = self.end.offered
             assert offered is not None
@@ -88,7 +88,7 @@ class SendingEnd:
             self._offered = self._arrivals.count
             self._number += 1
             name = "" if writer.process is None else writer.process.name
-            self._tell(self.place, Item("offer", self.end.name, self._number, value, name))
+            self._send(self.place, Item("offer", self.end.name, self._number, value, name))
 
     def taken(self, number: int) -> None:
         """The readers have taken a value; the writer continues, if it has not been withdrawn in the meantime."""
@@ -106,13 +106,13 @@ class SendingEnd:
 class ReceivingEnd:
     """The end of the writer in ``place``, in a place of readers: a party that waits like the writer."""
 
-    def __init__(self, channel: Channel[Any] | Broadcast[Any], place: str, scheduler: Scheduler, tell: Tell) -> None:
+    def __init__(self, channel: Channel[Any] | Broadcast[Any], place: str, scheduler: Scheduler, send: Send) -> None:
         self.received: Any = None
         self.process: Executed | None = None
         self._channel = channel
         self.place = place
         self._scheduler = scheduler
-        self._tell = tell
+        self._send = send
         self._number = 0
         self._waits = False
 
@@ -134,7 +134,7 @@ class ReceivingEnd:
     def resume(self, _: None) -> None:
         """The value was taken."""
         self._waits = False
-        self._tell(self.place, Item("taken", self._channel.name, self._number))
+        self._send(self.place, Item("taken", self._channel.name, self._number))
 
     def offer(self, number: int, value: Any, writer: str) -> None:
         """The writer waits."""
@@ -151,7 +151,7 @@ class ReceivingEnd:
     def withdraw(self, number: int) -> None:
         """The writer waits no longer; nothing happens if its value was taken before."""
         if number > self._number:
-            self._number = number  # Its offer has not been heard.
+            self._number = number  # Its offer has not arrived.
             self._return()
         elif self._waits and self._channel.withdraw(self):
             self._return()
@@ -167,7 +167,7 @@ class ReceivingEnd:
 
     def _return(self) -> None:
         self._waits = False
-        self._tell(self.place, Item("returned", self._channel.name, self._number))
+        self._send(self.place, Item("returned", self._channel.name, self._number))
 
 
 class _Writer(Executed):

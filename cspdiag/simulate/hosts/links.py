@@ -97,8 +97,8 @@ class Link:
         self.instance = ""
         self.knows = ""
         """The process that the other place takes for this one."""
-        self.heard = 0.0
-        """When the last frame was sent that it is known to have heard, in seconds of this clock."""
+        self.answered = 0.0
+        """When the last frame was sent that it has answered, in seconds of this clock."""
         self.asked: float | None = None
         """When the first frame was sent after the last answer came: the next answer is to that one, or a later one."""
         self.sent = 0.0
@@ -137,8 +137,10 @@ class Link:
 
     @property
     def longest_silence(self) -> float:
-        """Seconds after which it is lost if it has not answered: it answers in its next beat."""
-        return PATIENCE + min(self.beat + _LOOK + self.recent, _LONGEST_ANSWER)
+        """Seconds after which it is lost if it has not answered: after ``PATIENCE`` comes the next beat and its answer,
+        and the frame that asks may have been sent a little before the answers stopped.
+        """
+        return PATIENCE + min(self.beat + 2 * (_LOOK + self.recent), _LONGEST_ANSWER)
 
     def is_silent(self, now: float) -> bool:
         """Whether it has had the time to answer, and has not."""
@@ -331,7 +333,7 @@ class Links:
         if frame.stamp > link.echo[0]:
             link.echo = (frame.stamp, now)
         sent = answered or now
-        link.heard = max(link.heard, sent / 1e9)
+        link.answered = max(link.answered, sent / 1e9)
         is_late = now - sent > link.longest_silence * 1e9
         self._acknowledged(link, frame.acknowledged, now / 1e9)
         if link.lost and not is_late:

@@ -121,7 +121,7 @@ class DividedRun(NetworkRun):
         self._division = network.division
         self._links = network.links
         self._outgoing: defaultdict[str, list[tuple[Any, ...]]] = defaultdict(list)
-        self._crossings = Crossings(self._division, network.channels, scheduler, self._tell)
+        self._crossings = Crossings(self._division, network.channels, scheduler, self._send)
         outputs = [port for port in network.ports if isinstance(port, SampledOutput | EventOutput)]
         self._signals = {port.name: port.driver for port in outputs if type(port.driver) is Signal}
         own = [(name, signal) for name, signal in self._signals.items() if name in self._division.own_ports]
@@ -149,7 +149,7 @@ class DividedRun(NetworkRun):
 
     # What is sent and received
 
-    def _tell(self, place: str, item: Item) -> None:
+    def _send(self, place: str, item: Item) -> None:
         self._outgoing[place].append(tuple(item))
 
     def _collect(self) -> bool:
@@ -169,7 +169,7 @@ class DividedRun(NetworkRun):
                 self._known[other, name] = present
                 self._outgoing[place].append(("signal", name, present))
 
-    def _hear(self, place: str, items: Iterable[tuple[Any, ...]]) -> None:
+    def _apply(self, place: str, items: Iterable[tuple[Any, ...]]) -> None:
         for what, *rest in items:
             match what:
                 case "signal":
@@ -178,7 +178,7 @@ class DividedRun(NetworkRun):
                     path, error = rest
                     self._network.elsewhere[path].end(None if error is None else error_of(*error))
                 case _:  # It is about a channel.
-                    self._crossings.hear(place, what, *rest)
+                    self._crossings.receive(place, what, *rest)
 
     def _receive(self) -> None:
         """Notes what has arrived since the last time."""
@@ -187,7 +187,7 @@ class DividedRun(NetworkRun):
             place, message = inbox.popleft()
             what, *rest = message
             if what == "bye":
-                self._hear_end(place, *rest)
+                self._note_end(place, *rest)
             elif what == "ready":
                 self._ready.add(place)
             elif what == "round":
@@ -198,7 +198,7 @@ class DividedRun(NetworkRun):
                 self._standstill.received(place)
                 self._arrived += [(place, tuple(item)) for item in rest[0]]
 
-    def _hear_end(self, place: str, ended: str, first: str, why: str) -> None:
+    def _note_end(self, place: str, ended: str, first: str, why: str) -> None:
         self._links.by_place[place].over = True
         self._limit_is_reached |= ended == "time limit"
         if ended in ("terminated", "time limit"):
@@ -260,7 +260,7 @@ class DividedRun(NetworkRun):
         stopping.check()
         self._give_up_if_doomed()
         for link in self._links.lost:
-            if time.monotonic() - link.heard > SILENCE:
+            if time.monotonic() - link.answered > SILENCE:
                 raise RunFailed(PartnerLost(f"the place `{link.place}` has been silent for {SILENCE:g} s"))
 
     def _give_up_if_doomed(self) -> None:
@@ -278,7 +278,7 @@ class DividedRun(NetworkRun):
 
     def _in_virtual_time(self) -> Outcome:
         """All places agree on each instant, which is the next one of any of them, when nothing happens at the present
-        one any more. What one tells the others in a round happens there in the next.
+        one any more. What one sends to the others in a round happens there in the next.
         """
         scheduler, timers, instants = self._scheduler, self._scheduler.timers, self._instants
         until = END_OF_TIME if self._until is None else min(self._until, END_OF_TIME)
@@ -326,7 +326,7 @@ class DividedRun(NetworkRun):
             if self._rounds[other]:
                 *vote, items = self._rounds[other].popleft()
                 votes.append(tuple(vote))
-                self._hear(other, items)
+                self._apply(other, items)
         if any(is_active for is_active, _, _ in votes):
             return self._scheduler.now
         if not any(can for _, _, can in votes):
@@ -366,7 +366,7 @@ class DividedRun(NetworkRun):
             arrived[place].append(item)
         self._arrived.clear()
         for place, items in arrived.items():
-            self._hear(place, without_withdrawn(items))
+            self._apply(place, without_withdrawn(items))
         if self._links.lost and time.monotonic() >= self._raise_again:
             self._raise_again = time.monotonic() + _RAISE_AGAIN
             self._standstill.disturbed()
@@ -375,7 +375,7 @@ class DividedRun(NetworkRun):
                 if self._division.talks_to(link.place):
                     waiting = self._crossings.waiting_for(link.place)
                     raise_in_waiting(self._root, waiting, silence_of(link.place, PATIENCE))
-                elif time.monotonic() - link.heard > SILENCE:
+                elif time.monotonic() - link.answered > SILENCE:
                     self._end_parts_of(link.place)
 
     def _end_parts_of(self, place: str) -> None:
@@ -387,7 +387,7 @@ class DividedRun(NetworkRun):
     def _can_continue(self) -> bool:
         if self._doom is not None:
             raise RunFailed(self._doom)
-        is_idle = not (super()._can_continue() or self._can_hear_more())
+        is_idle = not (super()._can_continue() or self._can_receive())
         if not is_idle:
             self._standstill.disturbed()
         if self._deadlock is None:
@@ -404,7 +404,7 @@ class DividedRun(NetworkRun):
         report = report_deadlock(self._root, self._standstill.instant)
         return Outcome("deadlock", self._scheduler.now, deadlock=report)
 
-    def _can_hear_more(self) -> bool:
+    def _can_receive(self) -> bool:
         """Whether something else than a new message of another place can have an effect here or there."""
         return bool(
             self._limit_is_reached
