@@ -416,12 +416,14 @@ def test_a_tuple_with_names_has_a_reason():
     traces_that_are_compared_as_tuples = {"Ending", "Execution"}
     given_to_the_runtime_which_stands_alone = {"Change"}
     sent_to_other_places_as_plain_tuples = {"Frame", "Item"}
+    made_for_many_rows_of_a_network = {"Repetition", "Strand"}
     found = declared(r"^class (\w+)\(NamedTuple\)")
     assert {name for name, path in found if path not in states_and_edges_of_threads} == (
         results_that_users_unpack
         | traces_that_are_compared_as_tuples
         | given_to_the_runtime_which_stands_alone
         | sent_to_other_places_as_plain_tuples
+        | made_for_many_rows_of_a_network
         | made_for_each_token
         | kept_as_plain_tuples_in_a_file
         | hashed_or_read_in_the_inner_loop_of_a_proof

@@ -131,9 +131,9 @@ def test_a_peer_that_is_not_there_is_reported_before_the_run() -> None:
 
 def test_a_misspelt_name_is_reported_with_those_that_came() -> None:
     with _peer() as (peer, port):
-        text = program(DRIVER, f"port = {port}, patience = 300 ms")
-        result = run(text, lambda: [(peer.send("levle", 1), time.sleep(0.01)) for _ in range(20)] and None)
-    assert failure(result).endswith("no value of level has come within 0.3 s; without a port there were levle")
+        text = program(DRIVER, f"port = {port}, patience = 2 s")
+        result = run(text, lambda: [(peer.send("levle", 1), time.sleep(0.02)) for _ in range(50)] and None)
+    assert failure(result).endswith("no value of level has come within 2 s; without a port there were levle")
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ def called(name: str, index: int | None, method: str, *arguments: Code) -> Code:
 
 
 def rolled(codes: list[Code]) -> list[str]:
-    return lines(python_rolling.rolled_steps([(run(awaited(code)),) for code in codes], "i"))
+    return lines(python_rolling.rolled_steps([(run(awaited(code)),) for code in codes], lambda _: "i"))
 
 
 def test_a_part_that_counts_becomes_a_loop() -> None:
