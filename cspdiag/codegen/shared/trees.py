@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from functools import cache
 from types import NoneType
-from typing import Any, TypeVar, overload
+from typing import Any, TypeVar, cast, overload
 
 from cspdiag.base.record import ATOMS, annotations_of, field_names, is_record, record, replaced
 from cspdiag.network.elaborate.fewer.rows import Rows, repetitions
@@ -248,7 +248,7 @@ def refilled(item: T, made: Callable[[Any, object], object], around: object = No
         found = tuple([refilled(part, made, around) for part in item])
     elif is_record(item) and not isinstance(item, Closed):
         found = replaced(item, **{name: refilled(getattr(item, name), made, item) for name in field_names(item)})
-    return found  # type: ignore[no-any-return]
+    return cast("T", found)
 
 
 def repeated(

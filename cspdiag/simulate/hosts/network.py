@@ -166,8 +166,13 @@ def _open(zenoh: Any, address: str, config: Any, answers: SimpleQueue[Any]) -> N
 
 def _found(address: str) -> list[tuple[Any, ...]]:
     """The ways to an address by datagrams, as ``socket.getaddrinfo`` has them. Raises OSError."""
+    return socket.getaddrinfo(*_parts(address), type=socket.SOCK_DGRAM)
+
+
+def _parts(address: str) -> tuple[str, int]:
+    """The host, without brackets, and the port of an address."""
     host, _, port = address.rpartition(":")
-    return socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_DGRAM)
+    return host.strip("[]"), int(port)
 
 
 def _own_address(address: str) -> str:
@@ -183,9 +188,8 @@ def _own_address(address: str) -> str:
 
 def _accepts(address: str) -> bool:
     """Whether there is something that accepts connections."""
-    host, _, port = address.rpartition(":")
     try:
-        socket.create_connection((host.strip("[]"), int(port)), _PATIENCE).close()
+        socket.create_connection(_parts(address), _PATIENCE).close()
     except OSError:
         return False
     return True

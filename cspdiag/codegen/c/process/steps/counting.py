@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, cast
 
 from cspdiag.base.record import field_names, is_record, record, replaced
 from cspdiag.base.span import Span
@@ -123,7 +123,7 @@ def counting(item: T, changes: Iterator[int]) -> T:
         found = tuple([counting(part, changes) for part in item])
     elif is_record(item):
         found = replaced(item, **{name: counting(getattr(item, name), changes) for name in fields_inside(item)})
-    return found  # type: ignore[no-any-return]
+    return cast("T", found)
 
 
 class Numbering:
