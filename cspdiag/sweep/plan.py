@@ -252,7 +252,7 @@ def plan_sweep(request: Request, reader: Reader, on_planned: Callable[[int, int]
     varied = tuple(at for at in tunable if not _is_tunable(grid.axes[at]))
     programs = programs_of(maker, grid, compiled, varied, on_planned)
     texts[request.source.name] = request.source.text
-    identity = identity_of(texts, program.trees)
+    identity = identity_of(program.trees)
     return Plan(request, texts, identity, maker, found, grid, measures, compiled, tunable, programs, network)
 
 

@@ -4,7 +4,7 @@ programs the same: what they say, and the bodies that they use, but not their la
 
 from __future__ import annotations
 
-import re
+import os
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import product
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from cspdiag.base.files.content import digest_of_file
 from cspdiag.base.record import record
+from cspdiag.codegen.c.package.includes import included_in
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import Environment
 from cspdiag.network.ir.walk import parts
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 
 Identity: TypeAlias = tuple[tuple[str, object], ...]
 """Names of files with what is in them, in order."""
-
-_PARTS = re.compile(r'"[^"\n]*"|//[^\n]*|/\*[\s\S]*?\*/|[A-Za-z0-9_.]+|\S', re.ASCII)
 
 
 @record
@@ -131,15 +130,33 @@ def _structural(axes: Sequence[int], sizes: Sequence[int], numbers: Sequence[int
     return tuple(found)
 
 
-def identity_of(texts: Mapping[str, str], trees: Iterable[ast.SourceTree]) -> Identity:
-    """The identity of a program: its texts without comments and spaces, and what the files of its bodies contain."""
-    bodies = dict.fromkeys(path for tree in trees for path in files_of_bodies(tree))
+def identity_of(trees: Iterable[ast.SourceTree]) -> Identity:
+    """The identity of a program: what its texts say, and what the files of its bodies contain."""
+    known = {tree.source.name: tree for tree in trees}
+    bodies = {path for tree in known.values() for path in files_of_bodies(tree)}
     return (
-        *((name, said_by(text)) for name, text in sorted(texts.items())),
-        *((path, digest_of_file(path)) for path in sorted(bodies)),
+        *((name, ast.meaning_of(tree)) for name, tree in sorted(known.items())),
+        *((path, digest_of_file(path)) for path in sorted(_with_included(bodies))),
     )
 
 
-def said_by(text: str) -> tuple[str, ...]:
-    """The words and signs of a text that is a program."""
-    return tuple(part for part in _PARTS.findall(text) if not part.startswith(("//", "/*")))
+def _with_included(paths: Iterable[str]) -> set[str]:
+    """The paths, and those of files beside each that a file in C includes, directly or not."""
+    found, pending = set[str](), list(paths)
+    while pending:
+        path = pending.pop()
+        if path in found:
+            continue
+        found.add(path)
+        if path.endswith((".c", ".h")) and os.path.isfile(path):
+            beside = (os.path.join(os.path.dirname(path), name) for name in included_in(_text_of(path)))
+            pending += [os.path.normpath(place) for place in beside if os.path.isfile(place)]
+    return found
+
+
+def _text_of(path: str) -> str:
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            return file.read()
+    except OSError:
+        return ""

@@ -13,7 +13,7 @@ from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.sweep.partial import PartialTable, ResumeError
 from cspdiag.sweep.plan import Plan, Request, plan_sweep
-from cspdiag.sweep.programs import identity_of, said_by
+from cspdiag.sweep.programs import identity_of
 from cspdiag.sweep.result import Result
 from cspdiag.syntax.parser import parse
 from tests.sweep.programs import HEATER
@@ -126,20 +126,47 @@ def test_comments_and_layout_make_no_other_sweep() -> None:
 
 
 @pytest.mark.parametrize(
-    ("one", "other"), [("a b", "ab"), ("x := 1", "x := 2"), ('"a  b"', '"a b"'), ("10 ms", "10 us")]
+    ("before", "after"),
+    [
+        ("100 ms", "100ms"),
+        ("/// Its mass follows from its volume.", "/// Its mass depends on its volume."),
+    ],
 )
-def test_what_a_program_says_makes_another_sweep(one: str, other: str) -> None:
-    assert said_by(one) != said_by(other)
-    assert said_by('"no // comment"') == ('"no // comment"',)
+def test_layout_inside_a_literal_and_documentation_make_no_other_sweep(before: str, after: str) -> None:
+    assert before in HEATER
+    assert token_of(HEATER.replace(before, after)) == token_of(HEATER)
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [("100 ms", "100 us"), ("4 * gain", "4.0 * gain"), ("t - 10", "t - 11"), ("House", "Home")]
+)
+def test_what_a_program_says_makes_another_sweep(before: str, after: str) -> None:
+    assert before in HEATER
+    assert token_of(HEATER.replace(before, after)) != token_of(HEATER)
 
 
 def test_the_body_of_a_submodel_makes_another_sweep(tmp_path: Path) -> None:
     body = tmp_path / "law.c"
     tree = parse(SourceFile(name=str(tmp_path / "law.csp"), text=LAW_IN_C), Report())
     body.write_text("one")
-    first = identity_of({}, [tree])
+    first = identity_of([tree])
     body.write_text("other")
-    assert first != identity_of({}, [tree])
+    assert first != identity_of([tree])
+
+
+def test_what_a_body_in_c_includes_makes_another_sweep(tmp_path: Path) -> None:
+    tree = parse(SourceFile(name=str(tmp_path / "law.csp"), text=LAW_IN_C), Report())
+    (tmp_path / "law.c").write_text('#include "law.h"\n#include "absent.h"\n')
+    (tmp_path / "law.h").write_text('  # include "tables/gains.h"\n')
+    gains = tmp_path / "tables" / "gains.h"
+    gains.parent.mkdir()
+    gains.write_text('#include "../law.h"\n#include "factor.h"\n')
+    factor = gains.with_name("factor.h")
+    factor.write_text("#define FACTOR 1.0\n")
+    first = identity_of([tree])
+    assert first == identity_of([tree])
+    factor.write_text("#define FACTOR 2.0\n")
+    assert first != identity_of([tree])
 
 
 def test_a_full_disk_is_an_error_with_the_name_of_the_file(plan: Plan, tmp_path: Path) -> None:

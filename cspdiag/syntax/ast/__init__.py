@@ -74,6 +74,7 @@ from cspdiag.syntax.ast.definitions import (
     SubmodelDefinition,
     SubmodelItem,
     TypeAliasDefinition,
+    meaning_of,
     same_tree,
 )
 from cspdiag.syntax.ast.expressions import (
@@ -191,5 +192,6 @@ __all__ = [
     "Wait",
     "While",
     "Write",
+    "meaning_of",
     "same_tree",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import zip_longest
 from typing import Literal, TypeAlias
 
 from cspdiag.base import SourceFile, Span
@@ -239,23 +241,37 @@ class SourceTree(Node):
     comments: tuple[Comment, ...]
 
 
+_OUTSIDE = frozenset({"source", "comments"})
+_END = object()
+
+
 def same_tree(left: object, right: object) -> bool:
     """Whether two trees are equal, apart from the places of their nodes and comments."""
-    pending: list[tuple[object, object]] = [(left, right)]
+    pairs = zip_longest(_content(left, _OUTSIDE), _content(right, _OUTSIDE), fillvalue=_END)
+    return all(type(one) is type(other) and one == other for one, other in pairs)
+
+
+def meaning_of(tree: SourceTree) -> tuple[object, ...]:
+    """What a file says, as names of nodes and plain values: equal for files that differ in nothing but layout, comments
+    and documentation.
+    """
+    return tuple(_content(tree, _OUTSIDE | {"doc"}))
+
+
+def _content(tree: object, left_out: frozenset[str]) -> Iterator[object]:
+    """The kinds of the nodes, the lengths of the tuples and the other values of a tree, parents first, without places
+    and the fields ``left_out``.
+    """
+    pending = [tree]
     while pending:
-        a, b = pending.pop()
-        if type(a) is not type(b):
-            return False
-        if isinstance(a, Span):
+        item = pending.pop()
+        if isinstance(item, Span):
             continue
-        if isinstance(a, tuple) and isinstance(b, tuple):
-            if len(a) != len(b):
-                return False
-            pending += zip(a, b, strict=True)
-        elif is_record(a):
-            for name in field_names(a):
-                if name not in {"source", "comments"}:
-                    pending.append((getattr(a, name), getattr(b, name)))
-        elif a != b:
-            return False
-    return True
+        if isinstance(item, tuple):
+            yield len(item)
+            pending.extend(reversed(item))
+        elif is_record(item):
+            yield type(item).__name__
+            pending.extend([getattr(item, name) for name in reversed(field_names(item)) if name not in left_out])
+        else:
+            yield item

@@ -18,11 +18,12 @@ def with_headers(paths: Iterable[str], files: Mapping[str, str], folders: Iterab
         path = pending.pop()
         if path not in found:
             found.add(path)
-            names = _included(files[path])
+            names = included_in(files[path])
             pending += [place for name in names for folder in folders if (place := os.path.join(folder, name)) in files]
     return sorted(found)
 
 
 @lru_cache(maxsize=512)
-def _included(text: str) -> tuple[str, ...]:
+def included_in(text: str) -> tuple[str, ...]:
+    """The names in quotes that a text in C includes."""
     return tuple(_INCLUDE.findall(text))
