@@ -1,6 +1,7 @@
 """Python names for the names of the text.
 
-A name keeps its spelling unless Python or the runtime already uses it; then an underscore is appended.
+A name keeps its spelling unless Python or the runtime already uses it; then an underscore is appended. Python gives
+names that begin with two underscores a meaning of its own, so these get an ``x`` before them.
 """
 
 from __future__ import annotations
@@ -55,6 +56,8 @@ def identifier(text: str) -> str:
     joined = as_one_word(text)
     if not joined or joined[0].isdigit():
         joined = f"_{joined}"
+    if joined.startswith("__"):
+        return f"x{joined}"
     return f"{joined}_" if joined in KEYWORDS or joined in BUILTINS else joined
 
 
