@@ -242,14 +242,14 @@ def _recorded(arguments: Namespace, built: Built, until: int | None) -> tuple[Ru
         inputs = given_inputs(arguments, network)
         until = limited(until, inputs)
         recording = opened_recording(arguments, network, tuned=_is_tuned(tuning, inputs))
+        try:
+            return simulate(arguments, network, until, Given(recording, inputs, tuning)), recording
+        except BaseException:
+            if recording is not None and recording.break_off():
+                say(f"cspdiag: {part_of(arguments.record)} has what was recorded until then")
+            raise
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
-    try:
-        return simulate(arguments, network, until, Given(recording, inputs, tuning)), recording
-    except BaseException:
-        if recording is not None and recording.break_off():
-            say(f"cspdiag: {part_of(arguments.record)} has what was recorded until then")
-        raise
 
 
 def _is_tuned(tuning: Tuning | None, inputs: RecordedInputs | None) -> bool:

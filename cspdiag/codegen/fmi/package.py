@@ -7,7 +7,6 @@ from uuid import NAMESPACE_URL, uuid5
 
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record, replaced
-from cspdiag.codegen.c.laws.fmus import fmu_calls
 from cspdiag.codegen.c.network.environments import EnvironmentFiles
 from cspdiag.codegen.c.package.includes import with_headers
 from cspdiag.codegen.c.package.layouts import CONTRACTION_OFF, OWNERS, SUPPORT
@@ -22,6 +21,7 @@ from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import ArrayType, EnumType, IntType, StructType
 from cspdiag.network.ir.expressions import TunableValue
+from cspdiag.network.ir.external import fmu_calls
 from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort, ProgramParameter
 from cspdiag.network.ir.walk import parts
 from cspdiag.network.ir.zero import zero

@@ -51,6 +51,11 @@ def files_of_body(body: ExternalBody) -> tuple[str, ...]:
     return tuple(posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), file)) for file in files)
 
 
+def fmu_calls(environment: Environment) -> list[ExternalCall]:
+    """The FMUs of an environment."""
+    return [item for item in external_calls(environment) if item.external.language == "fmu"]
+
+
 def file_of_fmu(body: ExternalBody) -> str:
     """The path of an FMU, relative like that of the file that names it."""
     return files_of_body(body)[0]

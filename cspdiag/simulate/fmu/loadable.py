@@ -6,9 +6,9 @@ import re
 import shlex
 import subprocess
 
-from cspdiag.codegen.c.laws.fmus import fmu_calls, library_of
+from cspdiag.codegen.c.laws.fmus import library_of
 from cspdiag.codegen.shared.target_error import TargetError
-from cspdiag.network.ir.external import file_of_fmu
+from cspdiag.network.ir.external import file_of_fmu, fmu_calls
 from cspdiag.network.ir.network import Environment
 from cspdiag.simulate.native.build import Build
 

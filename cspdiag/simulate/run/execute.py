@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.python.plain.external import bodies
-from cspdiag.network.ir.external import devices_in_c, external_calls, file_of_fmu
+from cspdiag.network.ir.external import devices_in_c, file_of_fmu, fmu_calls
 from cspdiag.network.ir.network import CoreNetwork, DriverInstance, Environment
 from cspdiag.runtime.kernel.exceptions import kind_and_text
 from cspdiag.runtime.kernel.parameters import Change
@@ -83,7 +83,7 @@ def built(
     """
     if chosen is not None:
         _refuse_devices_in_c(chosen)
-        if any(call.external.language == "fmu" for call in external_calls(chosen)):
+        if fmu_calls(chosen):
             from cspdiag.fmu.ends import present
 
             present.lose = stopping.lose
@@ -104,12 +104,8 @@ def _account_of_fmu(problem: BaseException, environment: Environment | None) -> 
 
     if not isinstance(problem, FmuError):
         return ""
-    bodies = (call.external for call in (external_calls(environment) if environment is not None else ()))
-    places = (
-        f"{body.span}: "
-        for body in bodies
-        if body.language == "fmu" and problem.message.startswith(os.path.abspath(file_of_fmu(body)))
-    )
+    bodies = [] if environment is None else [call.external for call in fmu_calls(environment)]
+    places = (f"{body.span}: " for body in bodies if problem.message.startswith(os.path.abspath(file_of_fmu(body))))
     return f"{next(places, '')}{problem.message}\n  help: {problem.advice}"
 
 

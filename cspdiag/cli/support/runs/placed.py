@@ -48,17 +48,16 @@ def refuse_unsupported(arguments: Namespace) -> None:
 
 
 def shown_groups(arguments: Namespace, network: CoreNetwork) -> tuple[ModeGroup, ...]:
-    """The groups that the progress of a run shows; of a place, those that run in it. Raises UsageError."""
+    """The groups that the progress of a run shows; of a place, those that run in it. Raises UsageError, and
+    NoEnvironmentError.
+    """
     from cspdiag.simulate.record.modes import ModeGroup, mode_groups
-    from cspdiag.simulate.run.execute import NoEnvironmentError, chosen_environment
+    from cspdiag.simulate.run.execute import chosen_environment
 
     groups = mode_groups(network)
     if arguments.place is None:
         return groups
-    try:
-        environment = chosen_environment(network, arguments.environment)
-    except NoEnvironmentError as problem:
-        raise UsageError(str(problem)) from None
+    environment = chosen_environment(network, arguments.environment)
     places = () if environment is None else environment.places
     here = seat_of(arguments.place).place
     elsewhere = {name for place, names in places if place != here for name in names}
@@ -100,7 +99,7 @@ def placed(run: RequestedRun, files: Mapping[str, str]) -> Iterator[Callable[[Ne
 
 
 def _part(run: RequestedRun, files: Mapping[str, str]) -> Part:
-    """Connected with the other places. Raises UsageError."""
+    """Connected with the other places. Raises UsageError, and NoEnvironmentError."""
     from cspdiag.simulate.hosts.links import PlaceError
     from cspdiag.simulate.hosts.network import ZenohTransport
     from cspdiag.simulate.hosts.part import GATHERING, Part, fingerprint

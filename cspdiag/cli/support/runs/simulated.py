@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, given: Given) -> Run:
     """Run a program as the options say, with progress and what stands still shown.
 
-    Raises UsageError for an environment that is not there, NoResultError for a target that cannot be built.
+    Raises NoEnvironmentError, UsageError for what the reference semantics does not have, and NoResultError for a target
+    that cannot be built.
     """
     from cspdiag.cli.support.runs.endless import EndlessRun
     from cspdiag.cli.support.runs.placed import shown_groups
@@ -30,7 +31,7 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
     from cspdiag.simulate.native.build import CompilerError
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.record.streamed.parameters import record_parameters
-    from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
+    from cspdiag.simulate.run.execute import BodyError
 
     outputs = (arguments.record, arguments.serve, arguments.trace, arguments.plot, arguments.json)
     recorder = Recorder(
@@ -56,23 +57,17 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
     try:
         with progress or nullcontext(), standstill or nullcontext(), endless or nullcontext():
             return _SIMULATIONS[arguments.target](run)
-    except NoEnvironmentError as problem:
-        raise UsageError(str(problem)) from None
     except (BodyError, CompilerError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
 
 
 def _fmus(arguments: Namespace, network: CoreNetwork) -> list[str]:
     """The files of the FMUs that the environment has."""
-    from cspdiag.network.ir.external import external_calls, file_of_fmu
-    from cspdiag.simulate.run.execute import NoEnvironmentError, chosen_environment
+    from cspdiag.network.ir.external import file_of_fmu, fmu_calls
+    from cspdiag.simulate.run.execute import chosen_environment
 
-    try:
-        environment = chosen_environment(network, arguments.environment)
-    except NoEnvironmentError as problem:
-        raise UsageError(str(problem)) from None
-    bodies = (call.external for call in (() if environment is None else external_calls(environment)))
-    return [file_of_fmu(body) for body in bodies if body.language == "fmu"]
+    environment = chosen_environment(network, arguments.environment)
+    return [] if environment is None else [file_of_fmu(call.external) for call in fmu_calls(environment)]
 
 
 def _recorded_ports(arguments: Namespace, network: CoreNetwork) -> dict[str, Type] | None:
@@ -85,7 +80,6 @@ def _recorded_ports(arguments: Namespace, network: CoreNetwork) -> dict[str, Typ
 
 
 def _simulate_on_reference(run: RequestedRun) -> Run:
-    from cspdiag.simulate.run.execute import NoEnvironmentError
     from cspdiag.simulate.run.reference import NoMeaningError, simulate
 
     try:
@@ -98,7 +92,7 @@ def _simulate_on_reference(run: RequestedRun) -> Run:
             inputs=run.given.inputs,
             changes=run.given.changes,
         )
-    except (NoEnvironmentError, NoMeaningError) as problem:
+    except NoMeaningError as problem:
         raise UsageError(str(problem)) from None
 
 

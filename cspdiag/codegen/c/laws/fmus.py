@@ -15,20 +15,14 @@ from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.fmu.description import FmuDescription, FmuError, read_description
 from cspdiag.fmu.extracted import binary, extracted
-from cspdiag.model.names.described import LANGUAGE
 from cspdiag.model.types import BoolType, IntType, RealType, Type
 from cspdiag.network.ir.equations import ExternalCall
-from cspdiag.network.ir.external import external_calls, file_of_fmu
+from cspdiag.network.ir.external import file_of_fmu, fmu_calls
 from cspdiag.network.ir.network import Environment
 
 _LOADER = (
     "csp_fmu.c", "csp_fmu.h", "csp_fmu_integration.c", "csp_fmu_library.c", "csp_fmu_library.h", "csp_fmu_values.c",
 )  # fmt: skip
-
-
-def fmu_calls(environment: Environment) -> list[ExternalCall]:
-    """The FMUs of an environment."""
-    return [item for item in external_calls(environment) if item.external.language == LANGUAGE]
 
 
 def fmu_files(environment: Environment, types: CTypes) -> dict[str, str]:
