@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.laws.integration import LOCALS
 from cspdiag.codegen.c.text.code import CSP, Code
-from cspdiag.codegen.c.text.names import Names, PackageNames, snake_case
+from cspdiag.codegen.c.text.names import INTEGRATION_LOCALS, Names, PackageNames, snake_case
 from cspdiag.codegen.shared.laws.equations import constants_needed, values
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.faults import may_fault
@@ -45,7 +44,7 @@ def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
     """The C names of the members of the struct of a law and of the local variables of its functions, by their names in
     the source text.
     """
-    members = Names() if class_.external is not None else Names({*names.globals, *LOCALS, STEPS, SUB_STEP})
+    members = Names() if class_.external is not None else Names({*names.globals, *INTEGRATION_LOCALS, STEPS, SUB_STEP})
     for item in (*class_.ports, *class_.parameters, *class_.states):
         members[item.name]
     return members

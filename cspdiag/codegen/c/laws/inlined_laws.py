@@ -9,10 +9,10 @@ from functools import cached_property
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.calls import body_name
 from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, record_fault_place
-from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
+from cspdiag.codegen.c.laws.integration import Integration, sub_steps
 from cspdiag.codegen.c.text.code import PRODUCT, Code, cast, code, infix
 from cspdiag.codegen.c.text.expressions import Printer
-from cspdiag.codegen.c.text.names import Names, identifier
+from cspdiag.codegen.c.text.names import INTEGRATION_LOCALS, Names, identifier
 from cspdiag.codegen.c.text.statements import Block, Statement, define, store
 from cspdiag.codegen.shared.laws.equations import changes, read_after_change, signals, values
 from cspdiag.model.types import Type
@@ -148,7 +148,7 @@ class _Run:
         moving = {*states, *(equation.name for equation in action.derivative_equations)}
         own = {item.name for item in self.class_.constants}
         read = signals((action.derivatives, tuple(equation.value for equation in action.derivative_equations)))
-        names = Names({*LOCALS, *self.printer.types.names.globals})
+        names = Names({*INTEGRATION_LOCALS, *self.printer.types.names.globals})
         signal_types = {**self.types_of, **{equation.name: equation.type for equation in action.derivative_equations}}
         return Integration(
             name=f"{self.owner}_{identifier(action.law)}_slopes",

@@ -43,9 +43,6 @@ from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelState
 from cspdiag.network.ir.walk import PartsByType
 
-LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k2", "k3", "k4", "slope", "slopes"])
-"""Names of the local variables of an integration."""
-
 
 @record
 class Integration:

@@ -15,7 +15,7 @@ from cspdiag.codegen.c.laws.equations import (
     end_if_faulted,
     record_fault_place,
 )
-from cspdiag.codegen.c.laws.integration import LOCALS, Integration, steps_until_now
+from cspdiag.codegen.c.laws.integration import Integration, steps_until_now
 from cspdiag.codegen.c.laws.linear import LinearStep, linear_steps
 from cspdiag.codegen.c.network.devices import Devices
 from cspdiag.codegen.c.network.literals import WithLiterals, with_literals
@@ -38,7 +38,7 @@ from cspdiag.codegen.c.text.code import (
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.kernel import KERNEL
-from cspdiag.codegen.c.text.names import Names, PackageNames
+from cspdiag.codegen.c.text.names import ENVIRONMENT_LOCALS, Names, PackageNames
 from cspdiag.codegen.c.text.statements import (
     Blank,
     Block,
@@ -76,7 +76,6 @@ from cspdiag.network.ir.expressions import TunableValue
 from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass, SubmodelState
 from cspdiag.network.ir.walk import parts
 
-_LOCALS = LOCALS | {"program", "now", "present", "self", "state", "device", "value", "last"}
 _STATE = "void *state"
 """The parameter of the functions in the table, which know nothing of the struct."""
 
@@ -109,7 +108,7 @@ class EnvironmentFiles:
 
     @cached_property
     def _members(self) -> Names:
-        members = Names({*self.names.globals, *_LOCALS})
+        members = Names({*self.names.globals, *ENVIRONMENT_LOCALS})
         for port in self.network.external_ports:
             members[port.key]
         return members

@@ -11,12 +11,11 @@ from cspdiag.codegen.c.process.flow import can_complete
 from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.routines import Handler, Routine, Waiting, WaitingState
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
-from cspdiag.codegen.c.process.struct.port_layout import TAKEN
 from cspdiag.codegen.c.text.code import Code, address, call, cast, code, own, unsigned
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.literals import quoted
-from cspdiag.codegen.c.text.names import Names, PackageNames, identifier, snake_case
+from cspdiag.codegen.c.text.names import PROCESS_LOCALS, Names, PackageNames, identifier, snake_case
 from cspdiag.codegen.c.text.numbered import Numbered
 from cspdiag.codegen.c.text.rolling import VARIABLE
 from cspdiag.codegen.c.text.statements import (
@@ -83,7 +82,7 @@ class Writer:
         self.states = Names(self.names.globals)
         inside = self.members.inside
         self.alone = not inside.of(ParallelSteps) and not inside.of(InterruptOn)
-        self.number = Names((*TAKEN, *self.names.globals)).fresh("number")
+        self.number = Names((*PROCESS_LOCALS, *self.names.globals)).fresh("number")
         """The local variable for the number of the branch, in step functions that several branches share."""
         self.in_turns = False
         """Whether the present step is in a loop whose turn chooses elements of arrays."""

@@ -118,10 +118,16 @@ _NETWORK_NAMES = words(
 """Names in the files that build the network, besides that of the outermost process."""
 
 
-LOCAL = words(
-    "self process party progress condition numbers ports samples first_report index i value number state program now "
-    "present device last input context h half sixth step steps t time k1 k2 k3 k4 slope slopes"
-)
+INTEGRATION_LOCALS = words("h half sixth step steps t time k1 k2 k3 k4 slope slopes")
+"""Local variables of an integration."""
+
+PROCESS_LOCALS = words("process party progress condition numbers ports samples first_report index i")
+"""Parameters and local variables of the functions of processes."""
+
+ENVIRONMENT_LOCALS = INTEGRATION_LOCALS | words("program now present self state device value last")
+"""Parameters and local variables of the functions of environments."""
+
+_LOCALS = PROCESS_LOCALS | ENVIRONMENT_LOCALS | words("number input context")
 """Parameters and local variables of generated functions, which would hide a constant of the program."""
 
 
@@ -174,7 +180,7 @@ class PackageNames(Package):
             for name in network.exceptions
             if name not in ("Timeout", "Fault")
         }
-        self._names.avoid(LOCAL)
+        self._names.avoid(_LOCALS)
         kinds = (*_KINDS, *self.types.values())
         self._names.avoid(f"{verb}_{kind}" for verb in ("read", "write", "poll") for kind in kinds)
         self.constants: Mapping[str, str] = {entry.name: self._names.fresh(entry.name) for entry in network.constants}

@@ -37,11 +37,11 @@ MEMBERS = words(
 PROCESS_MEMBERS = MEMBERS | words("kind steps start end fail blame checked tracked _enclosing")
 """The same with those of ``Routine``: a generated process has the same names at every level of optimization."""
 
-LOCAL = words(
-    """
-    self name now drivers parameters h half sixth step steps t time slope k1 k2 k3 k4 observe scheduler me
-    runtime math
-    """
+INTEGRATION_LOCALS = words("h half sixth step t time")
+"""Parameters and local variables of an integration that have the same name in all functions."""
+
+_LOCALS = INTEGRATION_LOCALS | words(
+    "self name now drivers parameters steps slope k1 k2 k3 k4 observe scheduler me runtime math"
 )
 """Parameters and local variables of generated functions, and modules, which would hide a definition of the program."""
 
@@ -96,7 +96,7 @@ class PackageNames(Package):
     def __init__(self, network: Network) -> None:
         super().__init__(network)
         own = words("Parameters" if network.parameters else "")
-        definitions = Names({"Timeout", "Fault", "IntEnum", "NamedTuple"} | LOCAL | own)
+        definitions = Names({"Timeout", "Fault", "IntEnum", "NamedTuple"} | _LOCALS | own)
         modules = Names(MODULES | words("parameters" if network.parameters else ""))
         self.classes: Mapping[str, str] = {entry.name: definitions[entry.name] for entry in network.classes}
         self.types: Mapping[str, str] = {

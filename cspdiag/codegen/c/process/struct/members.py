@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from cspdiag.base.record import record, replaced
-from cspdiag.codegen.c.process.struct.port_layout import TAKEN, PortLayout, elements
+from cspdiag.codegen.c.process.struct.port_layout import PortLayout, elements
 from cspdiag.codegen.c.process.struct.signals import kept_signals, made_signals
 from cspdiag.codegen.c.process.struct.unwritten import Unwritten
 from cspdiag.codegen.c.text.code import Code, address, code, own, target
@@ -18,7 +18,7 @@ from cspdiag.codegen.c.text.media import (
     access_of_channel,
     access_of_medium,
 )
-from cspdiag.codegen.c.text.names import Names
+from cspdiag.codegen.c.text.names import PROCESS_LOCALS, Names
 from cspdiag.codegen.c.text.numbered import Numbered
 from cspdiag.codegen.c.text.statements import Statement
 from cspdiag.codegen.c.text.types import CTypes
@@ -123,7 +123,7 @@ class Members:
         self.signal_types |= {item.name: item.type for item in process.states} | made
         kept = kept_signals(process, made, self.inside)
         self.signal_members = {name: self.names.fresh(name) for name in kept}
-        local = Names({*self.types.names.globals, *TAKEN, "self", "h"})
+        local = Names({*self.types.names.globals, *PROCESS_LOCALS, "self", "h"})
         self.local_signals = {name: local.fresh(name) for name in self.signal_types if name not in self.signal_members}
 
     def _own_variables(self) -> set[str]:

@@ -6,13 +6,8 @@ from collections.abc import Sequence
 
 from cspdiag.codegen.c.text.code import Code, code
 from cspdiag.codegen.c.text.media import access_of_medium, port_type
-from cspdiag.codegen.c.text.names import Names
+from cspdiag.codegen.c.text.names import PROCESS_LOCALS, Names
 from cspdiag.network.ir.network import Port, ProcessClass
-
-TAKEN = frozenset(
-    {"process", "party", "progress", "condition", "numbers", "ports", "samples", "first_report", "index", "i"}
-)
-"""Names of local variables and parameters of generated functions."""
 
 
 class PortLayout:
@@ -21,7 +16,7 @@ class PortLayout:
     """
 
     def __init__(self, process: ProcessClass) -> None:
-        self.names = Names(TAKEN)
+        self.names = Names(PROCESS_LOCALS)
         self.parameters = {item.name: self.names[item.name] for item in process.parameters}
         self.ports = {port.name: port for port in process.ports}
         for port in process.ports:

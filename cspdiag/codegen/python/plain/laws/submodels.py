@@ -12,7 +12,7 @@ from cspdiag.codegen.python.text.code import PRODUCT, Argument, Call, Code, Cons
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule, parameter_annotation, port_annotation
-from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, identifier
+from cspdiag.codegen.python.text.names import INTEGRATION_LOCALS, MEMBERS, Names, PackageNames, identifier
 from cspdiag.codegen.python.text.operators import infix
 from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, return_, run, unpack
@@ -38,8 +38,8 @@ from cspdiag.network.ir.equations import ExternalBody, ExternalCall
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelClass
 
-INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_h", "_derivative", "_derivatives"})
-"""Names that the integration uses itself."""
+INTEGRATION = INTEGRATION_LOCALS | {"_steps", "_h", "_derivative", "_derivatives"}
+"""Names that the integration uses itself, for its variables and for members."""
 
 
 def signal_names(class_: SubmodelClass) -> Names:
