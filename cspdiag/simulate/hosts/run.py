@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import defaultdict, deque
-from collections.abc import Iterable
 from typing import Any, Final, Literal
 
 from cspdiag.runtime import Network, Process
@@ -21,17 +19,13 @@ from cspdiag.runtime.kernel.party import Party
 from cspdiag.runtime.kernel.scheduler import Scheduler
 from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.runtime.outcome import Outcome
-from cspdiag.runtime.outside.drivers import Signal
-from cspdiag.runtime.outside.external import EventOutput, Port, SampledOutput
+from cspdiag.runtime.outside.external import Port
 from cspdiag.runtime.outside.instants import Environment
-from cspdiag.simulate.hosts.crossings import Crossings, without_withdrawn
 from cspdiag.simulate.hosts.division import Division
-from cspdiag.simulate.hosts.ends import Item
+from cspdiag.simulate.hosts.exchange import Exchange
 from cspdiag.simulate.hosts.links import PATIENCE, Links
 from cspdiag.simulate.hosts.lost import raise_in_waiting, silence_of
-from cspdiag.simulate.hosts.messages import ended_item, error_of
 from cspdiag.simulate.hosts.processes import Elsewhere, Here, replace_instances
-from cspdiag.simulate.hosts.standstill import Standstill
 from cspdiag.simulate.run.probes import parts_of
 
 _LOOK: Final = 0.05
@@ -40,8 +34,6 @@ SILENCE: Final = 5.0
 """Seconds after which a silent place is given up in virtual time, and by those that no channel connects with it."""
 _RAISE_AGAIN: Final = 0.1
 """Seconds after which a process that waits again for a lost place gets Timeout again."""
-_QUEUE: Final = 8
-"""How many messages may wait for their acknowledgement when the value of a signal is sent."""
 
 
 class DividedNetwork(Network):
@@ -120,100 +112,12 @@ class DividedRun(NetworkRun):
         super().__init__(network, scheduler, environment, clock, until, on_miss, observer)
         self._division = network.division
         self._links = network.links
-        self._outgoing: defaultdict[str, list[tuple[Any, ...]]] = defaultdict(list)
-        self._crossings = Crossings(self._division, network.channels, scheduler, self._send)
-        outputs = [port for port in network.ports if isinstance(port, SampledOutput | EventOutput)]
-        self._signals = {port.name: port.driver for port in outputs if type(port.driver) is Signal}
-        own = [(name, signal) for name, signal in self._signals.items() if name in self._division.own_ports]
-        self._known = {(other, name): signal.value for other in self._division.others for name, signal in own}
-        """The values of the signals of this place as the others know them."""
-        self._rounds: dict[str, deque[tuple[Any, ...]]] = {other: deque() for other in self._division.others}
-        self._round = 0
-        self._ready: set[str] = set()
-        self._arrived: list[tuple[str, tuple[Any, ...]]] = []
-        """The items that were received and not yet taken over; some may come before the run begins here."""
-        self._limit_is_reached = False
-        """Whether another place has come to the time limit, which is also that of this one."""
-        self._standstill = Standstill(self._division, self._links)
-        self._first_end: tuple[str, str] | None = None
-        """The place that ended first, so that the run has to end, and why."""
-        self._deadlock: PartnerLost | None = None
-        """That another place has ended with a deadlock, in real time."""
-        self._doom: PartnerLost | None = None
-        """Why the run has to end: another place has."""
+        self._exchange = Exchange(network, scheduler, real_time=clock.real)
         self._raise_again = 0.0
 
     def _own_ports(self) -> tuple[Port, ...]:
         own = self._network.division.own_ports
         return tuple(port for port in self._network.ports if port.name in own)
-
-    # What is sent and received
-
-    def _send(self, place: str, item: Item) -> None:
-        self._outgoing[place].append(tuple(item))
-
-    def _collect(self) -> bool:
-        """Gathers what has happened here for the others; returns whether it can have an effect in this instant."""
-        self._crossings.step()
-        for path, error in self._network.ended:
-            for other in self._division.others:
-                self._outgoing[other].append(ended_item(path, error))
-        self._network.ended.clear()
-        return any(self._outgoing.values())
-
-    def _collect_signals(self, place: str) -> None:
-        """Adds the values of the environment's signals that a place does not know yet."""
-        for (other, name), value in self._known.items():
-            present = self._signals[name].value
-            if other == place and present is not value:
-                self._known[other, name] = present
-                self._outgoing[place].append(("signal", name, present))
-
-    def _apply(self, place: str, items: Iterable[tuple[Any, ...]]) -> None:
-        for what, *rest in items:
-            match what:
-                case "signal":
-                    self._signals[rest[0]].value = rest[1]
-                case "ended":
-                    path, error = rest
-                    self._network.elsewhere[path].end(None if error is None else error_of(*error))
-                case _:  # It is about a channel.
-                    self._crossings.receive(place, what, *rest)
-
-    def _receive(self) -> None:
-        """Notes what has arrived since the last time."""
-        inbox = self._links.inbox
-        while inbox:
-            place, message = inbox.popleft()
-            what, *rest = message
-            if what == "bye":
-                self._note_end(place, *rest)
-            elif what == "ready":
-                self._ready.add(place)
-            elif what == "round":
-                self._rounds[place].append(tuple(rest))
-            elif what == "idle":
-                self._standstill.report(place, rest[0])
-            else:
-                self._standstill.received(place)
-                self._arrived += [(place, tuple(item)) for item in rest[0]]
-
-    def _note_end(self, place: str, ended: str, first: str, why: str) -> None:
-        self._links.by_place[place].over = True
-        self._limit_is_reached |= ended == "time limit"
-        if ended in ("terminated", "time limit"):
-            return
-        first, why = self._first_end = self._first_end or (first, why)
-        end = PartnerLost(f"the place `{first}` has ended: {why}")
-        if ended == "deadlock" and self._clock.real:
-            self._deadlock = end
-        else:
-            self._doom = end
-
-    @property
-    def _present(self) -> list[str]:
-        """The other places that are still running."""
-        return [other for other, link in self._links.by_place.items() if not link.over]
 
     # The run
 
@@ -224,8 +128,8 @@ class DividedRun(NetworkRun):
         if outcome.error is not None:
             why = described(outcome.error)
         end = (self._division.place, why)
-        if isinstance(outcome.error, PartnerLost) and self._first_end is not None:
-            end = self._first_end
+        if isinstance(outcome.error, PartnerLost) and self._exchange.first_end is not None:
+            end = self._exchange.first_end
         outcome.links = self._links.report()
         self._links.broadcast(("bye", outcome.ended, *end))
         return outcome
@@ -235,7 +139,7 @@ class DividedRun(NetworkRun):
         observe = self._scheduler.observe
         if observe is None:
             return
-        crossings = self._crossings.paths
+        crossings = self._exchange.crossings.paths
 
         def observe_here(channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
             if reader is not None or channel not in crossings:  # The place of the reader shows the communication.
@@ -249,9 +153,9 @@ class DividedRun(NetworkRun):
         self._links.news = self._clock.notify
         if self._clock.real:
             self._links.broadcast(("ready",))
-            while not self._ready.issuperset(self._present):
+            while not self._exchange.are_ready(self._exchange.present):
                 self._wait_for_messages()
-                self._receive()
+                self._exchange.receive()
             self._clock.start()
 
     def _wait_for_messages(self) -> None:
@@ -265,13 +169,13 @@ class DividedRun(NetworkRun):
 
     def _give_up_if_doomed(self) -> None:
         """Raises RunFailed if another place has ended; what it has sent before comes first, as an exception."""
-        if self._doom is not None and not any(self._rounds.values()):
-            raise RunFailed(self._doom)
+        if self._exchange.doom is not None and not any(self._exchange.rounds.values()):
+            raise RunFailed(self._exchange.doom)
 
     def _ended_by_itself(self) -> Outcome:
-        self._collect()
-        for other in self._present:
-            self._send_round(other, active=True) if not self._clock.real else self._flush(other)
+        self._exchange.collect()
+        for other in self._exchange.present:
+            self._exchange.send_round(other, active=True) if not self._clock.real else self._exchange.flush(other)
         return super()._ended_by_itself()
 
     # In virtual time: in lock-step
@@ -311,69 +215,47 @@ class DividedRun(NetworkRun):
         """Ends a round with all places; returns the instant at which the next one is, None: nowhere can anything
         happen.
         """
-        active = self._collect()
-        for other in self._present:
-            self._send_round(other, active=active, following=following, can_continue=can_continue)
-        self._round += 1
+        active = self._exchange.collect()
+        for other in self._exchange.present:
+            self._exchange.send_round(other, active=active, following=following, can_continue=can_continue)
         votes = [(active, following, can_continue)]
         for other in self._division.others:
-            while not self._rounds[other] and not self._links.by_place[other].over:
-                self._receive()
-                if not self._rounds[other] and not self._links.by_place[other].over:
+            while not self._exchange.rounds[other] and not self._links.by_place[other].over:
+                self._exchange.receive()
+                if not self._exchange.rounds[other] and not self._links.by_place[other].over:
                     self._network.wait_for(other)
                     self._wait_for_messages()
             self._network.wait_for("")
-            if self._rounds[other]:
-                *vote, items = self._rounds[other].popleft()
+            if self._exchange.rounds[other]:
+                *vote, items = self._exchange.rounds[other].popleft()
                 votes.append(tuple(vote))
-                self._apply(other, items)
+                self._exchange.apply(other, items)
         if any(is_active for is_active, _, _ in votes):
             return self._scheduler.now
         if not any(can for _, _, can in votes):
             return None
         return min(instant for _, instant, _ in votes if instant is not None)
 
-    def _send_round(
-        self, other: str, *, active: bool, following: int | None = None, can_continue: bool = False
-    ) -> None:
-        self._collect_signals(other)
-        self._links.send(other, ("round", active, following, can_continue, self._outgoing.pop(other, [])))
-
     # In real time
 
     def _stepped(self) -> None:
-        self._collect()
-        for other in self._present:
-            self._flush(other)
-
-    def _flush(self, other: str) -> None:
-        """Sends what a place is to know; values of signals only while the link keeps up with them."""
-        if len(self._links.by_place[other].waiting) < _QUEUE:
-            self._collect_signals(other)
-        items = self._outgoing.pop(other, None)
-        if items:
-            self._standstill.sent(other)
-            self._links.send(other, ("items", items))
+        self._exchange.collect()
+        for other in self._exchange.present:
+            self._exchange.flush(other)
 
     def _has_news(self) -> bool:
-        return super()._has_news() or bool(self._links.inbox or self._arrived or self._links.lost)
+        return super()._has_news() or self._exchange.has_news
 
     def _take_over(self, instant: int | None) -> None:
         super()._take_over(instant)
-        arrived = defaultdict[str, list[tuple[Any, ...]]](list)
-        self._receive()
-        for place, item in self._arrived:
-            arrived[place].append(item)
-        self._arrived.clear()
-        for place, items in arrived.items():
-            self._apply(place, without_withdrawn(items))
+        self._exchange.apply_arrived()
         if self._links.lost and time.monotonic() >= self._raise_again:
             self._raise_again = time.monotonic() + _RAISE_AGAIN
-            self._standstill.disturbed()
+            self._exchange.standstill.disturbed()
             for link in self._links.lost:
-                self._crossings.hand_back(link.place)
+                self._exchange.crossings.hand_back(link.place)
                 if self._division.talks_to(link.place):
-                    waiting = self._crossings.waiting_for(link.place)
+                    waiting = self._exchange.crossings.waiting_for(link.place)
                     raise_in_waiting(self._root, waiting, silence_of(link.place, PATIENCE))
                 elif time.monotonic() - link.answered > SILENCE:
                     self._end_parts_of(link.place)
@@ -385,29 +267,25 @@ class DividedRun(NetworkRun):
                 part.end(silence_of(place, SILENCE))
 
     def _can_continue(self) -> bool:
-        if self._doom is not None:
-            raise RunFailed(self._doom)
+        if self._exchange.doom is not None:
+            raise RunFailed(self._exchange.doom)
         is_idle = not (super()._can_continue() or self._can_receive())
         if not is_idle:
-            self._standstill.disturbed()
-        if self._deadlock is None:
+            self._exchange.standstill.disturbed()
+        if self._exchange.deadlock is None:
             is_alone = not self._division.others
-            return not (is_idle and (is_alone or self._standstill.is_everywhere(self._scheduler.now)))
+            return not (is_idle and (is_alone or self._exchange.standstill.is_everywhere(self._scheduler.now)))
         if is_idle:
             return False
-        raise RunFailed(self._deadlock)
+        raise RunFailed(self._exchange.deadlock)
 
     def _deadlocked(self) -> Outcome:
         if not (self._clock.real and self._division.others):
             return super()._deadlocked()
         # The clock has gone on since then, but nothing else.
-        report = report_deadlock(self._root, self._standstill.instant)
+        report = report_deadlock(self._root, self._exchange.standstill.instant)
         return Outcome("deadlock", self._scheduler.now, deadlock=report)
 
     def _can_receive(self) -> bool:
         """Whether something else than a new message of another place can have an effect here or there."""
-        return bool(
-            self._limit_is_reached
-            or self._has_news()
-            or any(self._signals[name].value is not value for (_, name), value in self._known.items())
-        )
+        return bool(self._exchange.limit_is_reached or self._has_news() or self._exchange.has_new_signals)
