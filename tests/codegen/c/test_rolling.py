@@ -104,6 +104,14 @@ process Scan {
 """
 
 
+NARROW = """
+process Writer {
+  out written : int32
+  composition { (seq i < 6 : (written ! int32(800000000 * i - 2000000000) ; wait 1 us)) }
+}
+"""
+
+
 def scan(body: str, level: int = 0) -> str:
     """The step function of the process, with the table of places."""
     built = pipeline.build(SourceFile(name="main.csp", text=SCAN.replace("BODY", body)), read_source)
@@ -122,7 +130,9 @@ def scan(body: str, level: int = 0) -> str:
         ("(seq i < 16 : (low[i] ? w ; if w > 1 then high[i] ? w))", 2),
         ("(seq i < 16 : (low[i] ? w)) ; (seq i < 16 : (high[i] ? w))", 2),
         ("(seq i < 2 : (low[i] ? w))", 2),  # too few
-        ("(seq i < 4 : (low[3 - i] ? w))", 4),  # elements count down
+        ("(seq i < 4 : (low[3 - i] ? w))", 1),  # elements count down
+        ("(seq i < 4 : (low[3 - i] ? v[15 - 2 * i] ; high[i] ? w))", 2),
+        ("(seq i < 4 : (low[i] ? w ; total := 1 ; low[i + 1] ? w ; total := 2 ; high[i] ? w ; total := 3))", 3),
         ("low[0] ? w ; low[1] ? w ; low[2] ? w", 3),  # each has its own place in the text
     ],
 )
@@ -148,6 +158,9 @@ def test_the_turn_and_what_the_process_waits_for_outlast_the_wait() -> None:
         ("(seq i < 4 : (seq j < 4 : (low[4 * i + j] ? w ; high[j] ? v[i])))", 2),
         ("(seq i < 4 : (seq j < 4 : (seq k < 4 : (low[4 * i + j] ? v[4 * j + k] ; high[k] ? w))))", 2),
         ("(seq i < 4 : (high[i] ? w ; if w > 1 then (seq j < 4 : (low[i + j] ? v[j]))))", 2),
+        ("(seq i < 3 : (high[i] ? w ; (seq j < 3 : (low[3 * i + j] ? w))))", 2),
+        ("(seq i < 3 : (high[i] ? w ; (seq j < 3 : (low[j] ? w ; w := 1 ; high[j] ? w ; w := 2 ; low[i] ? w))))", 4),
+        ("(seq i < 4 : (seq j < 4 : (low[15 - 4 * i - j] ? w ; high[3 + i - j] ? w)))", 2),
         ("(seq i < 4 : (mu ((seq j < 4 : (low[i + j] ? v[j])) ; high[i] ? w) until w > 1))", 2),
         ("(seq i < 3 : (seq j < 2 : (low[i] ? w ; high[j] ? w)))", 4),  # too few inside
         ("(seq i < 2 : (seq j < 3 : (low[i] ? w ; high[j] ? w)))", 4),  # too few around
@@ -163,6 +176,28 @@ def test_each_loop_in_which_the_process_waits_has_a_turn_of_its_own() -> None:
     assert "for (self->turn = 0U; self->turn < 3U; self->turn++) {" in text
     assert "for (self->turn_2 = 0U; self->turn_2 < 4U; self->turn_2++) {" in text
     assert "self->awaited = &self->low[4U * self->turn + self->turn_2];" in text
+
+
+def test_what_counts_down_is_subtracted_last() -> None:
+    """Unsigned numbers are never less than 0 on the way."""
+    text = " ".join(scan("(seq i < 4 : (seq j < 4 : (low[15 - 4 * i - j] ? w ; high[3 + i - j] ? w)))").split())
+    assert "self->awaited = &self->low[15U - 4U * self->turn - self->turn_2];" in text
+    assert "self->awaited = &self->high[self->turn + 3U - self->turn_2];" in text
+
+
+def test_durations_count_in_nanoseconds() -> None:
+    text = " ".join(scan("(seq i < 4 : (low[i] ? w ; wait (9 - i) * 5 us))", level=1).split())
+    assert "csp_wait(csp, party, &self->delay, 45 * CSP_US - 5 * CSP_US * (int64_t)self->turn)" in text
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_numbers_of_narrow_types_count_in_64_bits(level: int) -> None:
+    """Products on the way need not fit in the type."""
+    source = SourceFile(name="main.csp", text=NARROW)
+    network = pipeline.build(source, read_source).network
+    assert network is not None
+    text = "".join(pipeline.generate(network, read_source, "c", level).values())
+    assert "(int32_t)(800000000 * (int64_t)self->turn - 2000000000)" in text
 
 
 def test_a_loop_without_waits_in_one_with_waits_is_counted_by_a_local_variable() -> None:

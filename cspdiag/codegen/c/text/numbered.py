@@ -13,23 +13,25 @@ from cspdiag.codegen.c.text.code import (
     Postfix,
     call,
     cast,
-    code,
     infix,
     unsigned,
 )
+from cspdiag.codegen.c.text.types import duration, integer
 from cspdiag.codegen.shared.document import Document
 from cspdiag.codegen.shared.trees import nodes
 
 
 @record
 class Numbered(Code):
-    """``step * number + first``, where ``number`` is the number of the branch; in loops a sum of several such products.
-    Each ``step`` is at least 1. An index is unsigned; with ``type_name`` it is a value of that type.
+    """``step * number + first``, where ``number`` is the number of the branch; in loops a sum of several such products,
+    of which some may count down. An index is unsigned; with ``type_name`` it is a value of that type, which may be a
+    ``duration`` in nanoseconds.
     """
 
     products: tuple[tuple[str, int], ...]
     first: int = 0
     type_name: str | None = None
+    is_duration: bool = False
 
     @property
     def precedence(self) -> int:
@@ -44,19 +46,26 @@ class Numbered(Code):
         return self._sum().document
 
     def _sum(self) -> Code:
-        whole, *others = [self._product(number, step) for number, step in self.products]
-        for other in others:
+        """What counts down is subtracted last: an unsigned sum is never less than 0 on the way."""
+        up = [self._product(number, step) for number, step in self.products if step > 0]
+        down = [self._product(number, -step) for number, step in self.products if step < 0]
+        whole = up[0] if up else self._constant(self.first)
+        for other in up[1:]:
             whole = infix("+", SUM, whole, other)
-        if self.first == 0:
-            return whole
-        offset = unsigned(self.first) if self.type_name is None else code(str(abs(self.first)))
-        return infix("+" if self.first > 0 else "-", SUM, whole, offset)
+        if up and self.first != 0:
+            whole = infix("+" if self.first > 0 else "-", SUM, whole, self._constant(abs(self.first)))
+        for other in down:
+            whole = infix("-", SUM, whole, other)
+        return whole
 
     def _product(self, number: str, step: int) -> Code:
+        counted = Atom(number) if self.type_name is None else cast(self.type_name, Atom(number))
+        return counted if step == 1 else infix("*", PRODUCT, self._constant(step), counted)
+
+    def _constant(self, value: int) -> Code:
         if self.type_name is None:
-            return Atom(number) if step == 1 else infix("*", PRODUCT, unsigned(step), Atom(number))
-        counted = cast(self.type_name, Atom(number))
-        return counted if step == 1 else infix("*", PRODUCT, code(str(step)), counted)
+            return unsigned(value)
+        return duration(value) if self.is_duration else integer(value)
 
 
 @record

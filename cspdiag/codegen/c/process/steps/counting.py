@@ -11,7 +11,7 @@ from cspdiag.codegen.c.process.struct.members import Members, NumberedEnd
 from cspdiag.codegen.c.text.media import READING_ENDS
 from cspdiag.codegen.c.text.numbered import Numbered
 from cspdiag.codegen.shared.trees import Counted, Outline, outline
-from cspdiag.model.types import IntType, Type
+from cspdiag.model.types import IntType, TimeType, Type
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import LiteralValue, VariableValue
 from cspdiag.network.ir.network import ProcessClass
@@ -53,7 +53,7 @@ class _End(_Counted):
 
 @record
 class _Number(_Counted):
-    """An integer."""
+    """An integer, or a duration in nanoseconds."""
 
     type: Type
     span: Span | None
@@ -106,7 +106,7 @@ class CountableTree:
                 return tuple([self.tree(part) for part in item])
             case ir.PortEnd(port=port, index=int(index), end=end) if self._members.layout.uniform[port]:
                 return _End(index, (), port, end)
-            case LiteralValue(type=IntType(), value=int(value), name=None) if abs(value) < _LARGE:
+            case LiteralValue(type=IntType() | TimeType(), value=int(value), name=None) if abs(value) < _LARGE:
                 return _Number(value, (), item.type, item.span)
             case _ if is_record(item):
                 return replaced(item, **{name: self.tree(getattr(item, name)) for name in fields_inside(item)})
@@ -155,7 +155,8 @@ class Numbering:
             case _Number(type=type_, span=span, value=first):
                 if not counted:
                     return LiteralValue(type=type_, span=span, value=first)
-                limits = (first, first + sum(step * (count - 1) for _, count, step in counted))
+                ends = [step * (count - 1) for _, count, step in counted]
+                limits = (first + sum(min(end, 0) for end in ends), first + sum(max(end, 0) for end in ends))
                 return VariableValue(type=type_, span=span, channel=self._members.number(number, type_), range=limits)
             case _:
                 raise AssertionError(f"{type(node).__name__} does not count")

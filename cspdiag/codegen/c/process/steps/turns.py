@@ -1,8 +1,8 @@
 """Steps in which a process waits, one after another, that differ only in numbers that count: they are a loop in C.
 
 ``seq i < 16 : (low[i] ? v[i])`` has sixteen steps in the network, and one in C. The turn is a member of the process,
-because it has to outlast the waits. Loops are found from the inside out, so steps that contain loops, or lie between
-them, are a loop themselves where they repeat.
+because it has to outlast the waits. Loops are found from the inside out, the shortest turns first, so steps that
+contain loops, or lie between them, are a loop themselves where they repeat.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from cspdiag.codegen.c.process.steps.counting import CountableTree, Counters, Nu
 from cspdiag.codegen.c.process.struct.members import Members
 from cspdiag.codegen.c.text.code import Atom, Code
 from cspdiag.codegen.c.text.rolling import VARIABLE
-from cspdiag.codegen.shared.trees import LEAST, LONGEST, Outline, outline, repetitions_from
+from cspdiag.codegen.shared.trees import LEAST, Outline, outline, repetitions_from
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.walk import all_actions
 
@@ -26,6 +26,10 @@ _PLAIN = (
     ir.SequentialSteps, ir.Repeat, ir.WhileLoop, ir.IfElse,
 )  # fmt: skip
 """Steps that need only states, and members that all turns can share."""
+
+
+LONGEST = 32
+"""The largest number of different steps in one turn."""
 
 
 @record(kw_only=True)
@@ -64,39 +68,41 @@ class TurnFinder:
         return [self._filled(action, ()) if isinstance(action, Turns) else action for action in actions]
 
     def _items(self, steps: Sequence[ir.Action]) -> list[_Item]:
-        """The items of a sequence: inner loops are found first, and then those that repeat them."""
-        items, before = [_Item(step.span, step) for step in steps], len(steps) + 1
-        while len(items) < before:
-            items, before = self._with_loops(items), len(items)
+        """The items of a sequence: loops with the shortest turns are found first, because others may repeat them."""
+        items, period = [_Item(step.span, step) for step in steps], 1
+        while period <= min(LONGEST, len(items) // LEAST):
+            found = self._with_loops(items, period)
+            period = 1 if len(found) < len(items) else period + 1
+            items = found
         return items
 
-    def _with_loops(self, items: Sequence[_Item]) -> list[_Item]:
+    def _with_loops(self, items: Sequence[_Item], period: int) -> list[_Item]:
+        """The items, with loops of ``period`` items a turn."""
         found: list[_Item] = []
         position = 0
         while position < len(items):
-            item, covered = self._at(items, position)
+            item, covered = self._at(items, position, period)
             found.append(item)
             position += covered
         return found
 
-    def _at(self, items: Sequence[_Item], start: int) -> tuple[_Item, int]:
+    def _at(self, items: Sequence[_Item], start: int, period: int) -> tuple[_Item, int]:
         """The loop that begins with an item, and how many it replaces; the item itself if it does not repeat."""
-        for period in range(1, LONGEST + 1):
-            end = _end_of_places(items, start, period)
-            first = items[start : start + period]
-            if end - start < LEAST * period or not all(can_complete(item.action) for item in first):
-                continue
-            known = map(self._outline, items[start:end])
-            outlines = [each for each in takewhile(lambda each: each is not None, known) if each is not None]
-            times, changes = repetitions_from(outlines, 0, period, _counts)
-            if times >= LEAST:
-                waits = any(self._waits(item.action) for item in first)
-                body = counting(tuple([item.tree for item in first]), iter(changes))
-                span = first[0].action.span
-                whole = ir.SequentialSteps(span=span, steps=body)
-                loop = Turns(span=span, body=whole, iterations=times, waits=waits)
-                return _Item(tuple([item.place for item in first]), loop), times * period
-        return items[start], 1
+        end = _end_of_places(items, start, period)
+        first = items[start : start + period]
+        if end - start < LEAST * period or not all(can_complete(item.action) for item in first):
+            return items[start], 1
+        known = map(self._outline, items[start:end])
+        outlines = [each for each in takewhile(lambda each: each is not None, known) if each is not None]
+        times, changes = repetitions_from(outlines, 0, period, _in_any_steps)
+        if times < LEAST:
+            return items[start], 1
+        waits = any(self._waits(item.action) for item in first)
+        body = counting(tuple([item.tree for item in first]), iter(changes))
+        span = first[0].action.span
+        whole = ir.SequentialSteps(span=span, steps=body)
+        loop = Turns(span=span, body=whole, iterations=times, waits=waits)
+        return _Item(tuple([item.place for item in first]), loop), times * period
 
     def _outline(self, item: _Item) -> Outline | None:
         if not item.is_known:
@@ -163,5 +169,6 @@ def _end_of_places(items: Sequence[_Item], start: int, period: int) -> int:
     return end
 
 
-def _counts(changes: Sequence[int]) -> bool:
-    return min(changes, default=0) >= 0
+def _in_any_steps(_: Sequence[int]) -> bool:
+    """Whether a loop may change numbers by these steps: a turn is a number of its own, so it may change none."""
+    return True

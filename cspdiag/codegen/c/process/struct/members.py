@@ -9,7 +9,7 @@ from cspdiag.base.record import record, replaced
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout, elements
 from cspdiag.codegen.c.process.struct.signals import kept_signals, made_signals
 from cspdiag.codegen.c.process.struct.unwritten import Unwritten
-from cspdiag.codegen.c.text.code import Code, address, code, own, target
+from cspdiag.codegen.c.text.code import Code, address, cast, code, own, target
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.media import (
     READING_ENDS,
@@ -20,11 +20,12 @@ from cspdiag.codegen.c.text.media import (
 )
 from cspdiag.codegen.c.text.names import PROCESS_LOCALS, Names
 from cspdiag.codegen.c.text.numbered import Numbered
+from cspdiag.codegen.c.text.operands import is_int64
 from cspdiag.codegen.c.text.statements import Statement
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.laws.equations import finite_signals
 from cspdiag.codegen.shared.places_in_arrays import Arrays
-from cspdiag.model.types import Type
+from cspdiag.model.types import TimeType, Type
 from cspdiag.network.elaborate.fewer.rows import examples
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ResetStates, RunLaw
 from cspdiag.network.ir.expressions import ParameterValue, TunableValue
@@ -196,9 +197,10 @@ class Members:
 
     def number(self, value: Numbered, type_: Type) -> str:
         """A name, as of a variable, for an integer that follows from the number of the branch."""
-        typed = replaced(value, type_name=self.types.type_name(type_))
-        self._numbers[str(typed)] = typed
-        return str(typed)
+        wide = replaced(value, type_name="int64_t", is_duration=isinstance(type_, TimeType))
+        number = wide if is_int64(type_) else cast(self.types.type_name(type_), wide)
+        self._numbers[str(number)] = number
+        return str(number)
 
     def add_variable(self, name: str) -> str:
         """The member for a variable of the generator, whose name cannot occur in the source text."""
