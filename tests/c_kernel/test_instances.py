@@ -136,7 +136,7 @@ def test_a_restored_run_continues_as_the_saved_one(machine: Path) -> None:
     assert accepted == "of another instance 1"
     assert ended == same
     assert ended.startswith(f"state {ENDED}")
-    assert refusals == "damaged 0, of another build 0"
+    assert refusals == "damaged 0, of another build 0, of no instance 0"
 
 
 def test_another_process_continues_from_a_copy(machine: Path) -> None:

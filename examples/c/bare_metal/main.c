@@ -72,6 +72,9 @@ void on_button(void)
 void on_fault(void)
 {
     char text[120];
+    if (tank == NULL) {
+        return; /* before tank_begin there is nothing to release */
+    }
     tank_release(tank);
     tank_describe(tank, text, sizeof text); /* "running: Tank (last waited at tank.csp:14)" */
     board_write(text);

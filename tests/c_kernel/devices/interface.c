@@ -249,7 +249,10 @@ static void restore(void)
     copy.bytes[MACHINE_SIZE / 2U] ^= 1U;
     (void)printf("damaged %d", machine_restore(self, &copy));
     (void)memset(&copy, 0, sizeof copy);
-    (void)printf(", of another build %d\n", machine_restore(self, &copy));
+    (void)printf(", of another build %d", machine_restore(self, &copy));
+    (void)memset(&other_memory, 0, sizeof other_memory);
+    machine_save((const machine_instance *)(const void *)&other_memory, &copy);
+    (void)printf(", of no instance %d\n", machine_restore(self, &copy));
 }
 
 /* A copy in a file, for another process. */

@@ -247,6 +247,9 @@ void commstime_save(const commstime_instance *self, commstime_memory *copy)
     commstime_instance *const saved = (void *)copy;
     csp_pointer_visit visits[NETWORK_DEPTH];
     (void)memset(copy, 0, sizeof *copy);
+    if (!is_begun(self)) {
+        return;
+    }
     (void)memcpy(&saved->network, &self->network, sizeof saved->network);
     saved->network.kernel.hooks = NULL;
     csp_save_pointers(&saved->network, &network_pointers, visits, places_of(self));

@@ -161,7 +161,7 @@ void commstime_release(commstime_instance *self);
 void commstime_stop(commstime_instance *self);
 
 /* Copies the state into memory for one instance. The copy has no pointers: it may be kept in a file
- * or in flash.
+ * or in flash. Of memory that has no instance there is nothing to restore.
  */
 void commstime_save(const commstime_instance *self, commstime_memory *copy);
 

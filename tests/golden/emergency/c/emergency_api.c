@@ -336,6 +336,9 @@ void emergency_save(const emergency_instance *self, emergency_memory *copy)
     emergency_instance *const saved = (void *)copy;
     csp_pointer_visit visits[NETWORK_DEPTH];
     (void)memset(copy, 0, sizeof *copy);
+    if (!is_begun(self)) {
+        return;
+    }
     const uint32_t before = self->hooks.lock(self->hooks.context);
     (void)memcpy(&saved->network, &self->network, sizeof saved->network);
     self->hooks.unlock(self->hooks.context, before);

@@ -210,7 +210,7 @@ void emergency_release(emergency_instance *self);
 void emergency_stop(emergency_instance *self);
 
 /* Copies the state into memory for one instance. The copy has no pointers: it may be kept in a file
- * or in flash.
+ * or in flash. Of memory that has no instance there is nothing to restore.
  */
 void emergency_save(const emergency_instance *self, emergency_memory *copy);
 

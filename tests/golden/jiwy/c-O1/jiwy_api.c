@@ -387,6 +387,9 @@ void jiwy_save(const jiwy_instance *self, jiwy_memory *copy)
     jiwy_instance *const saved = (void *)copy;
     csp_pointer_visit visits[NETWORK_DEPTH];
     (void)memset(copy, 0, sizeof *copy);
+    if (!is_begun(self)) {
+        return;
+    }
     const uint32_t before = self->hooks.lock(self->hooks.context);
     (void)memcpy(&saved->network, &self->network, sizeof saved->network);
     self->hooks.unlock(self->hooks.context, before);

@@ -249,7 +249,7 @@ void jiwy_release(jiwy_instance *self);
 void jiwy_stop(jiwy_instance *self);
 
 /* Copies the state into memory for one instance. The copy has no pointers: it may be kept in a file
- * or in flash.
+ * or in flash. Of memory that has no instance there is nothing to restore.
  */
 void jiwy_save(const jiwy_instance *self, jiwy_memory *copy);
 
