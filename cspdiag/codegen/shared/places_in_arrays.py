@@ -59,6 +59,12 @@ class Elements(Generic[N_co]):
     def __iter__(self) -> Iterator[N_co]:
         return chain.from_iterable(self.parts())
 
+    def known_from(self, position: int) -> int:
+        """The number of elements from a position on of which each is known to differ from the one before in numbers
+        that count by the same steps.
+        """
+        return self._starts[bisect_right(self._starts, position)] - position
+
     def parts(self) -> Iterator[Sequence[N_co]]:
         """The elements of each strand."""
         return (strand.of(self._rows) for strand in self.strands)
@@ -136,6 +142,12 @@ class Arrays:
     def element(self, base: str, index: int) -> str:
         """The name of an element of an array."""
         return self._arrays[base][index].name
+
+    def known_from(self, base: str, index: int) -> int:
+        """The number of elements of an array from an index on of which each is known to differ from the one before in
+        numbers that count by the same steps.
+        """
+        return self._arrays[base].known_from(index)
 
     def base(self, name: str) -> str:
         """The name of the array, or the name itself."""

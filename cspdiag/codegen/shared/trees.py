@@ -101,9 +101,10 @@ class OutlinesOfRows(Sequence[Outline]):
         self._size = len(rows)
         for repetition in repetitions(rows):
             self._starts.append(repetition.start)
-            found = [_stretch(strand.of(rows), outlined) for strand in repetition.strands()]
+            strands = repetition.strands() if repetition.rounds > 1 else ()
+            found = [_stretch(strand.of(rows), outlined) for strand in strands]
             known = [stretch for stretch in found if stretch is not None]
-            if repetition.rounds > 1 and len(known) == len(found):
+            if known and len(known) == len(found):
                 self._parts.append((known, repetition.rounds))
             else:
                 self._parts.append(list(map(outlined, repetition.of(rows))))

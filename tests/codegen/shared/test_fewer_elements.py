@@ -304,6 +304,55 @@ def test_arrays_inside_and_indexes_of_two_loops_follow_from_fewer_elements(text:
     assert way(text + CELL) == "fewer"
 
 
+THIRDS = """
+const size = 230
+process Cell {
+  in input : int
+  communication {
+    var value : int
+  }
+  composition {
+    mu input ? value
+  }
+}
+process Source {
+  out output : int
+  composition {
+    mu output ! 1
+  }
+}
+process Thirds {
+  communication {
+    source[3 * size] : Source
+    cell[3 * size]   : Cell
+    for i < size {
+      source[i].output -> cell[i].input
+      source[size + i].output -> cell[size + i].input
+      source[2 * size + i].output -> cell[2 * size + i].input
+    }
+  }
+  composition {
+    (par i < 3 * size : source[i]) || (par i < 3 * size : cell[i])
+  }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    "middle",
+    [
+        "source[size + i].output -> cell[2 * size - 1 - i].input",
+        "source[2 * size - 1 - i].output -> cell[size + i].input",
+        "source[size + i].output -> buffer 2 -> cell[size + i].input",
+        "source[size + i].output -> buffer 2 -> cell[2 * size - 1 - i].input",
+    ],
+)
+def test_elements_in_the_middle_of_an_array_that_differ_are_compiled_from_fewer_elements(middle: str) -> None:
+    usual = "source[size + i].output -> cell[size + i].input"
+    assert usual in THIRDS
+    assert way(THIRDS.replace(usual, middle), FORMS) == "fewer"
+
+
 def test_a_size_that_is_set_is_compiled_from_fewer_elements() -> None:
     assert way(network("ring", 30), settings={"size": "300"}) == "fewer"
 

@@ -8,7 +8,7 @@ from typing import TypeGuard, TypeVar
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.calls import kernel_of, law_verbs
 from cspdiag.codegen.c.process.leaves import KINDS
-from cspdiag.codegen.c.process.outlines import Outlines
+from cspdiag.codegen.c.process.outlines import Outlines, known_creation
 from cspdiag.codegen.c.process.struct.declarations import port_members
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout, elements
@@ -220,8 +220,9 @@ class _Initialization:
         outlines = Outlines(self.members)
 
         def made(items: Sequence[CreatedInstance | End]) -> list[Rolled]:
+            known = known_creation(items, self.members.arrays)
             return rolled_from(
-                self._outlines(items, outlines.created), lambda at: self._with_setup(self._creation(items[at]))
+                self._outlines(known, outlines.created), lambda at: self._with_setup(self._creation(items[at]))
             )
 
         creation = self.process.creation

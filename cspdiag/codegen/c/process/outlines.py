@@ -4,15 +4,20 @@ the first elements of large arrays have to be generated.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from typing import assert_never
+from collections.abc import Hashable, Iterator, Sequence
+from typing import TypeAlias, assert_never
 
 from cspdiag.codegen.c.process.struct.members import Members
+from cspdiag.codegen.shared.places_in_arrays import Arrays
 from cspdiag.codegen.shared.trees import Outline
 from cspdiag.model.types import IntType
+from cspdiag.network.elaborate.fewer.rows import Repetition, Rows, rows_of
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.network.ir.network import Attachment, Connection, ConstantEnd, CreatedInstance, DiscardEnd, LocalChannel
+
+Created: TypeAlias = CreatedInstance | End
+"""What is initialized in the order of creation."""
 
 _Part = tuple[Hashable, tuple[int, ...]]
 
@@ -33,7 +38,7 @@ class Outlines:
         kind = (access, channel.kind, channel.name in self._flagged)
         return Outline(("channel", shape, kind, initial), (*numbers, channel.capacity or 0, *value))
 
-    def created(self, item: CreatedInstance | End) -> Outline:
+    def created(self, item: Created) -> Outline:
         """The outline of the initialization of an instance or a reading end."""
         if isinstance(item, CreatedInstance):
             return self._instance(item.instance)
@@ -89,3 +94,30 @@ class Outlines:
             case LiteralValue(type=IntType(), value=int(number), name=None) if number >= 0:
                 return "number", (number,)
         return value, ()
+
+
+def known_creation(items: Sequence[Created], arrays: Arrays) -> Sequence[Created]:
+    """What is created in order, of which that repeats of which the instances do, too: an item has only their names."""
+    if not isinstance(items, Rows):
+        return items
+    return rows_of(items, (part for whole in items.repetitions for part in _known_parts(items, whole, arrays)))
+
+
+def _known_parts(items: Sequence[Created], whole: Repetition, arrays: Arrays) -> Iterator[Repetition]:
+    start, length, left = whole
+    while left:
+        places = range(start, start + length)
+        rounds = 1 if left == 1 else min(left, *(_known_rounds(items, place, length, arrays) for place in places))
+        yield Repetition(start, length, rounds)
+        start, left = start + rounds * length, left - rounds
+
+
+def _known_rounds(items: Sequence[Created], place: int, distance: int, arrays: Arrays) -> int:
+    """In how many rounds from one on the item in this place of it creates what is known to be alike."""
+    item, following = items[place], items[place + distance]
+    if not isinstance(item, CreatedInstance) or not isinstance(following, CreatedInstance):
+        return len(items)
+    array, index = arrays.place(item.instance)
+    if index is None or arrays.place(following.instance) != (array, index + 1):
+        return 1
+    return arrays.known_from(array, index)

@@ -60,7 +60,7 @@ from cspdiag.codegen.python.text.statements import (
 )
 from cspdiag.codegen.python.text.types import annotation
 from cspdiag.codegen.shared.trees import nodes
-from cspdiag.network.elaborate.fewer.rows import repetitions
+from cspdiag.network.elaborate.fewer.rows import with_elements_once
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.ir.external import external_calls
@@ -346,13 +346,11 @@ class _ProcessWriter(ConstructorWriter):
         """What is created, in order, but of instances that are known to repeat and to be elements of lists only the
         first.
         """
-        creation, place_of = self.process.creation, self.members.place_of
-        for repetition in repetitions(creation):
-            first = creation[repetition.start : repetition.start + repetition.length]
-            once = repetition.rounds > 1 and all(
-                isinstance(item, CreatedInstance) and place_of(item.instance) is not None for item in first
-            )
-            yield from first if once else repetition.of(creation)
+
+        def is_element(item: End | CreatedInstance | CreatedChoice) -> bool:
+            return isinstance(item, CreatedInstance) and self.members.place_of(item.instance) is not None
+
+        return with_elements_once(self.process.creation, is_element)
 
     def _array(self, array: Array, elements: Code) -> Code:
         if self.traced or not isinstance(elements, Comprehension) or not self._has_label(array.rows[0].name):

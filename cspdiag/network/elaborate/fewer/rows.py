@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
 T = TypeVar("T")
@@ -75,6 +75,13 @@ def strands(rows: Sequence[object]) -> Iterator[Strand]:
 def examples(rows: Sequence[T]) -> Sequence[T]:
     """The rows without those that differ from one of these in numbers that count only."""
     return [rows[strand.start] for strand in strands(rows)] if isinstance(rows, Rows) else rows
+
+
+def with_elements_once(rows: Sequence[T], is_element: Callable[[T], bool]) -> Iterator[T]:
+    """The rows, but of those that are known to repeat and that are all elements of arrays only the first round."""
+    for repetition in repetitions(rows):
+        first = rows[repetition.start : repetition.start + repetition.length]
+        yield from first if repetition.rounds > 1 and all(map(is_element, first)) else repetition.of(rows)
 
 
 def rows_from(rows: Sequence[object], start: int) -> int:

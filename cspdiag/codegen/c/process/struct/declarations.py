@@ -8,7 +8,6 @@ from typing import TypeVar
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.port_layout import elements
 from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium, channel_type, port_type
-from cspdiag.network.elaborate.fewer.rows import examples
 from cspdiag.network.ir.actions import PortEnd
 from cspdiag.network.ir.network import InstanceOf, LocalChannel, Port
 
@@ -121,7 +120,7 @@ def _instance_declarations(members: Members) -> Iterator[StructMember]:
 
 def _grouped(members: Members, items: Sequence[T]) -> Iterator[tuple[T, str]]:
     done: set[str] = set()
-    for item in examples(items):
+    for item in members.with_arrays_once(items):
         base = members.plain(item.name)
         if base not in done:
             done.add(base)

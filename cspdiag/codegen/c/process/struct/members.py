@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from cspdiag.base.record import record, replaced
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout, elements
@@ -26,12 +27,14 @@ from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.laws.equations import finite_signals
 from cspdiag.codegen.shared.places_in_arrays import Arrays
 from cspdiag.model.types import TimeType, Type
-from cspdiag.network.elaborate.fewer.rows import examples
+from cspdiag.network.elaborate.fewer.rows import examples, with_elements_once
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ResetStates, RunLaw
 from cspdiag.network.ir.expressions import ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
+    InstanceOf,
+    LocalChannel,
     Network,
     Port,
     ProcessClass,
@@ -39,6 +42,8 @@ from cspdiag.network.ir.network import (
     channels_of,
 )
 from cspdiag.network.ir.walk import PartsByType
+
+R = TypeVar("R", LocalChannel, InstanceOf)
 
 
 @record
@@ -95,7 +100,7 @@ class Members:
             taken={*self.parameters, *self.ports},
         )
         self._plain: dict[str, str] = {}
-        for row in (*examples(process.channels), *examples(process.instances)):
+        for row in (*self.with_arrays_once(process.channels), *self.with_arrays_once(process.instances)):
             self._plain[row.name] = self.names[self.arrays.base(row.name)]
         self._elements_by_number: dict[str, tuple[str, Numbered]] = {}
         self._numbers: dict[str, Code] = {}
@@ -163,6 +168,12 @@ class Members:
                 yield from (connection.attachment for connection in instance.connections)
 
     # How members are written in expressions
+
+    def with_arrays_once(self, rows: Sequence[R]) -> Iterator[R]:
+        """The channels or instances, but of those that are known to repeat and that are elements of arrays only the
+        first round.
+        """
+        return with_elements_once(rows, lambda row: self.arrays.place(row.name)[1] is not None)
 
     def plain(self, name: str) -> str:
         """The member of a channel or instance; elements of arrays have the member of the array."""
