@@ -2,35 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.process.processes import ProcessFiles
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.media import access_of_channel
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import Type
+from cspdiag.network.elaborate.fewer.continued import continued
 from cspdiag.network.ir.network import CreatedInstance, Network, ProcessClass
 
 
 def names_file(network: Network, types: CTypes, described: Mapping[str, ProcessFiles]) -> str:
     """`network_names.c`: tables in the order in which the initialization functions of processes assign numbers."""
-    numbering = _Numbering(network, described)
-    processes, channels = numbering.processes, numbering.channels
-    sizes = [f"sizeof({types.type_name(type_)})" for _, type_ in channels]
+    tables = _tables(network, types, described)
     rows = ['#include "network.h"', '#include "csp_arithmetic.h"', '#include "types.h"', ""]
     rows += ["#if CSP_TRACE || CSP_MEASURE || CSP_TRACE_HOOK"]
-    rows += [f"const uint32_t network_channel_count = {len(channels)}U;"]
-    rows += _table("const char *const network_channel_names[]", [quoted(name) for name, _ in channels])
-    rows += _table("const uint32_t network_channel_sizes[]", sizes or ["0"])
+    rows += [f"const uint32_t network_channel_count = {len(tables.channels)}U;"]
+    rows += _table("const char *const network_channel_names[]", tables.channels)
+    rows += _table("const uint32_t network_channel_sizes[]", tables.sizes or [_row("0")])
     rows += ["", "/* Numbers of processes and groups count from 1; a group has no kind. */"]
-    rows += [f"const uint32_t network_process_count = {len(processes)}U;"]
-    rows += _table("const char *const network_process_names[]", ['""', *(quoted(name) for name, _ in processes)])
-    rows += _table("const char *const network_process_kinds[]", ['""', *(quoted(kind) for _, kind in processes)])
+    rows += [f"const uint32_t network_process_count = {len(tables.processes)}U;"]
+    rows += _table("const char *const network_process_names[]", [_NONE, *tables.processes])
+    rows += _table("const char *const network_process_kinds[]", [_NONE, *tables.kinds])
     rows += ["#else", "typedef int network_has_no_names;", "#endif", ""]
-    if numbering.variables:
+    if tables.variables:
         rows += ["/* Variables that may be read before they were written. */"]
-        rows += [*_table("const char *const network_variable_names[]", [quoted(v) for v in numbering.variables]), ""]
+        rows += [*_table("const char *const network_variable_names[]", tables.variables), ""]
     return "\n".join(rows)
+
+
+@record
+class _Tables:
+    """The rows of the tables."""
+
+    channels: tuple[str, ...]
+    sizes: tuple[str, ...]
+    processes: tuple[str, ...]
+    kinds: tuple[str, ...]
+    variables: tuple[str, ...]
+
+
+def _tables(network: Network, types: CTypes, described: Mapping[str, ProcessFiles]) -> _Tables:
+    """The rows, continued from those with fewer elements where a class that grows has only what its rows say."""
+
+    def made(network: Network) -> _Tables:
+        numbering = _Numbering(network, described)
+        return _Tables(
+            channels=tuple([_row(quoted(name)) for name, _ in numbering.channels]),
+            sizes=tuple([_row(f"sizeof({types.type_name(type_)})") for _, type_ in numbering.channels]),
+            processes=tuple([_row(quoted(name)) for name, _ in numbering.processes]),
+            kinds=tuple([_row(quoted(kind)) for _, kind in numbering.processes]),
+            variables=tuple([_row(quoted(name)) for name in numbering.variables]),
+        )
+
+    few = () if network.continued is None else network.continued.few.classes
+    growing = [described.get(one.name) for one, other in zip(few, network.classes, strict=False) if one != other]
+    if any(found and (found.observed or found.reports or found.variables) for found in growing):
+        return made(network)
+    return continued(made)(network)
 
 
 class _Numbering:
@@ -71,6 +102,12 @@ class _Numbering:
                     yield f"{path}.{instance.name}", self.classes[instance.class_name]
 
 
-def _table(declaration: str, entries: list[str]) -> list[str]:
-    rows = [f"{declaration} = {{", *(f"    {entry}," for entry in entries)]
-    return [*(rows if entries else [*rows, "    0"]), "};"]
+def _row(entry: str) -> str:
+    return f"    {entry},"
+
+
+_NONE = _row('""')
+
+
+def _table(declaration: str, rows: Sequence[str]) -> list[str]:
+    return [f"{declaration} = {{", *(rows or ["    0"]), "};"]

@@ -19,6 +19,8 @@ _NOT_CODE = re.compile(
     r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|__attribute__\s*\(\([^)]*(?:\([^)]*\)[^)]*)*\)\)",
     re.DOTALL,
 )
+_NAMES_IN_TABLE = re.compile(r"^ *\"[^\"\\\n]*\",\n", re.MULTILINE)
+"""Strings that are lines by themselves, which tables of large programs have many of."""
 _DIRECTIVE = re.compile(r"^[ \t]*#(?:\\\n|[^\n])*$|^[A-Z][A-Z0-9_]*\(.*\);?$", re.MULTILINE)
 """Directives, and macros that are expanded to declarations."""
 _MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
@@ -85,7 +87,8 @@ def names_header(package: str, sources: Iterable[str], headers: Iterable[str], t
     """The header, for what ``sources`` define and the ``headers`` of the kernel declare; no new name is among
     ``taken``.
     """
-    prefix, texts, declaring = f"{package}_", list(sources), list(headers)
+    prefix, declaring = f"{package}_", list(headers)
+    texts = [_NAMES_IN_TABLE.sub("", text) for text in sources]
     macros = {name for text in (*texts, *declaring) for name in _MACRO.findall(text)}
     external = _external(texts, declaring) - {"main"}
     kept = {name for name in external if name.startswith(prefix)}

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import assert_never
 
 from cspdiag.base.record import replaced
+from cspdiag.network.elaborate.fewer.continued import continued
 from cspdiag.network.ir.actions import Action, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import actions_inside, all_actions
@@ -19,10 +20,9 @@ class Levels:
     """The levels of one program; level 0 is the highest."""
 
     def __init__(self, network: Network) -> None:
-        self.prioritized: set[str]
-        """Classes that contain prioritized parallels, themselves or in an instance."""
         self._classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
-        self.prioritized = self._with_priorities(network)
+        self.prioritized = frozenset(_with_priorities(network))
+        """Classes that contain prioritized parallels, themselves or in an instance."""
         self.depths: dict[str, set[int]] = {name: set() for name in self._classes}
         widths: dict[int, int] = {}
         pending = [(network.top, 0)]
@@ -63,15 +63,17 @@ class Levels:
         outer = min(self.depths[class_], default=0)  # ``separate_depths`` has left one; none: it never runs
         return rank * self._sizes[min(outer + depth + 1, len(self._sizes) - 1)]
 
-    def _with_priorities(self, network: Network) -> set[str]:
-        """Classes that contain prioritized parallels, themselves or in an instance."""
-        found: set[str] = set()
-        for entry in network.classes:
-            if isinstance(entry, ProcessClass) and entry.body is not None:
-                own = any(isinstance(step, ParallelSteps) and step.prioritized for step in all_actions(entry.body))
-                if own or (found and any(instance.class_name in found for instance in entry.instances)):
-                    found.add(entry.name)
-        return found
+
+@continued
+def _with_priorities(network: Network) -> tuple[str, ...]:
+    """Classes that contain prioritized parallels, themselves or in an instance."""
+    found: dict[str, None] = {}
+    for entry in network.classes:
+        if isinstance(entry, ProcessClass) and entry.body is not None:
+            own = any(isinstance(step, ParallelSteps) and step.prioritized for step in all_actions(entry.body))
+            if own or (found and any(instance.class_name in found for instance in entry.instances)):
+                found[entry.name] = None
+    return tuple(found)
 
 
 def separate_depths(network: Network) -> Network:
@@ -103,7 +105,7 @@ def _fresh(name: str, taken: set[str]) -> str:
 
 
 def _at_depth(
-    entry: ProcessClass, name: str, depth: int, names: dict[tuple[str, int], str], prioritized: set[str]
+    entry: ProcessClass, name: str, depth: int, names: dict[tuple[str, int], str], prioritized: frozenset[str]
 ) -> ProcessClass:
     """The clone of a class for a depth, with its instances at their depths."""
     around = {step.instance: below for step, below in _steps(entry.body, depth) if isinstance(step, RunInstance)}
