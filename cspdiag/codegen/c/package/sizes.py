@@ -10,6 +10,7 @@ from cspdiag.codegen.c.package.package import lowered_for_c
 from cspdiag.codegen.c.text.media import Access, access_of_channel
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.network.elaborate.fewer.rows import counted, examples
 from cspdiag.network.ir.network import CoreNetwork, LocalChannel, ProcessClass, SubmodelClass
 
 PREFIX = "csp_size_"
@@ -66,11 +67,13 @@ class SizeMeasurement:
 
     def _buffers(self) -> list[LocalChannel]:
         classes = [entry for entry in self._network.classes if isinstance(entry, ProcessClass)]
-        return [item for entry in classes for item in entry.channels if access_of_channel(item) == "buffer"]
+        return [item for entry in classes for item in examples(entry.channels) if access_of_channel(item) == "buffer"]
 
     def sizes(self, sizes: Mapping[str, int]) -> Sizes:
         """The sizes of the program, from those of the symbols, by name without the prefix."""
-        counts = Counter(instance.class_name for instance in self._network.instances)
+        counts: Counter[str] = Counter()
+        for instance, _, number in counted(self._network.instances):
+            counts[instance.class_name] += number
         found: list[ClassSize] = []
         channels = channel_bytes = 0
         for entry in self._network.classes:
@@ -78,27 +81,28 @@ class SizeMeasurement:
             if not count:
                 continue
             whole = sizes[f"class_{self._names.classes[entry.name]}"]
-            inside, own = self._inside(entry, sizes), self._channels(entry, sizes)
-            channels += count * len(own)
-            channel_bytes += count * sum(own)
+            inside, (number, own) = self._inside(entry, sizes), self._channels(entry, sizes)
+            channels += count * number
+            channel_bytes += count * own
             kind = "process" if isinstance(entry, ProcessClass) else "law"
-            found.append(ClassSize(kind, entry.definition, count, max(whole - inside - sum(own), 0)))
+            found.append(ClassSize(kind, entry.definition, count, max(whole - inside - own, 0)))
         return Sizes(tuple(found), channels, channel_bytes, sizes["network"])
 
     def _inside(self, entry: ProcessClass | SubmodelClass, sizes: Mapping[str, int]) -> int:
         if not isinstance(entry, ProcessClass):
             return 0
-        return sum(sizes[f"class_{self._names.classes[item.class_name]}"] for item in entry.instances)
+        classes = self._names.classes
+        return sum(number * sizes[f"class_{classes[item.class_name]}"] for item, _, number in counted(entry.instances))
 
-    def _channels(self, entry: ProcessClass | SubmodelClass, sizes: Mapping[str, int]) -> list[int]:
-        if not isinstance(entry, ProcessClass):
-            return []
-        found: list[int] = []
-        for item in entry.channels:
-            access = access_of_channel(item)
+    def _channels(self, entry: ProcessClass | SubmodelClass, sizes: Mapping[str, int]) -> tuple[int, int]:
+        """The number of the channels of a class, and their bytes."""
+        channels = size = 0
+        for first, last, number in counted(entry.channels) if isinstance(entry, ProcessClass) else ():
+            access = access_of_channel(first)
             if access in _CHANNELS:
-                places = (
-                    (item.capacity or 0) * sizes[f"value_{self._types.suffix(item.type)}"] if access == "buffer" else 0
-                )
-                found.append(sizes[f"channel_{access}"] + places)
-        return found
+                channels += number
+                size += number * sizes[f"channel_{access}"]
+            if access == "buffer":
+                places = number * ((first.capacity or 0) + (last.capacity or 0)) // 2
+                size += places * sizes[f"value_{self._types.suffix(first.type)}"]
+        return channels, size

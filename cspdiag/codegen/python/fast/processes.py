@@ -60,7 +60,7 @@ from cspdiag.codegen.python.text.statements import (
 )
 from cspdiag.codegen.python.text.types import annotation
 from cspdiag.codegen.shared.trees import nodes
-from cspdiag.network.elaborate.fewer.rows import with_elements_once
+from cspdiag.network.elaborate.fewer.rows import without_repeated
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.ir.external import external_calls
@@ -350,7 +350,7 @@ class _ProcessWriter(ConstructorWriter):
         def is_element(item: End | CreatedInstance | CreatedChoice) -> bool:
             return isinstance(item, CreatedInstance) and self.members.place_of(item.instance) is not None
 
-        return with_elements_once(self.process.creation, is_element)
+        return without_repeated(self.process.creation, is_element)
 
     def _array(self, array: Array, elements: Code) -> Code:
         if self.traced or not isinstance(elements, Comprehension) or not self._has_label(array.rows[0].name):

@@ -11,7 +11,7 @@ from cspdiag.codegen.python.text.code import Code, Name, own
 from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.statements import Statement, bound_in
 from cspdiag.codegen.shared.places_in_arrays import MANY, Elements, arrays_of, indexed, numbered_lines
-from cspdiag.network.elaborate.fewer.rows import Strand, examples, with_elements_once
+from cspdiag.network.elaborate.fewer.rows import Strand, examples, without_repeated
 from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir.network import CreatedInstance, InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
@@ -100,7 +100,7 @@ class Members:
 
     def with_lists_once(self, rows: Sequence[R]) -> Iterator[R]:
         """The rows, but of those that are known to repeat and that are elements of lists only the first round."""
-        return with_elements_once(rows, lambda row: self.place_of(row.name) is not None)
+        return without_repeated(rows, lambda row: self.place_of(row.name) is not None)
 
     def _name_ends(self) -> dict[End, str]:
         names: dict[End, str] = {}

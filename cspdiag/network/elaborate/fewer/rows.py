@@ -77,11 +77,19 @@ def examples(rows: Sequence[T]) -> Sequence[T]:
     return [rows[strand.start] for strand in strands(rows)] if isinstance(rows, Rows) else rows
 
 
-def with_elements_once(rows: Sequence[T], is_element: Callable[[T], bool]) -> Iterator[T]:
-    """The rows, but of those that are known to repeat and that are all elements of arrays only the first round."""
+def without_repeated(rows: Sequence[T], is_left_out: Callable[[T], bool]) -> Iterator[T]:
+    """The rows, but of those that are known to repeat, and that are all to be left out, only the first round."""
     for repetition in repetitions(rows):
         first = rows[repetition.start : repetition.start + repetition.length]
-        yield from first if repetition.rounds > 1 and all(map(is_element, first)) else repetition.of(rows)
+        yield from first if repetition.rounds > 1 and all(map(is_left_out, first)) else repetition.of(rows)
+
+
+def counted(rows: Sequence[T]) -> Iterator[tuple[T, T, int]]:
+    """The first and the last of rows of which each differs from the one before in numbers that count, and their
+    number.
+    """
+    for strand in strands(rows):
+        yield rows[strand.start], rows[strand.start + strand.distance * (strand.length - 1)], strand.length
 
 
 def rows_from(rows: Sequence[object], start: int) -> int:

@@ -27,7 +27,7 @@ from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.laws.equations import finite_signals
 from cspdiag.codegen.shared.places_in_arrays import Arrays
 from cspdiag.model.types import TimeType, Type
-from cspdiag.network.elaborate.fewer.rows import examples, with_elements_once
+from cspdiag.network.elaborate.fewer.rows import examples, without_repeated
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ResetStates, RunLaw
 from cspdiag.network.ir.expressions import ParameterValue, TunableValue
 from cspdiag.network.ir.network import (
@@ -38,7 +38,6 @@ from cspdiag.network.ir.network import (
     Network,
     Port,
     ProcessClass,
-    SubmodelClass,
     channels_of,
 )
 from cspdiag.network.ir.walk import PartsByType
@@ -106,7 +105,8 @@ class Members:
         self._numbers: dict[str, Code] = {}
         self.classes = {entry.name: entry for entry in self.network.classes}
         self.instances = {instance.name: instance for instance in process.instances}
-        self.created = [item for item in process.creation if not isinstance(item, CreatedInstance | CreatedChoice)]
+        created = without_repeated(process.creation, lambda item: isinstance(item, CreatedInstance))
+        self.created = [item for item in created if not isinstance(item, CreatedInstance | CreatedChoice)]
         self._end_names: dict[End, str] = {}
         self._scopes = {end: scope.instance for scope in self.inside.of(ProcessScope) for end in scope.ends}
         self._name_ends()
@@ -124,7 +124,7 @@ class Members:
         assert process.body is not None
         laws = self.inside.of(RunLaw)
         self.finite_signals = finite_signals([equation for law in laws for equation in law.equations])
-        made = made_signals(process.body)
+        made = made_signals(process.body, self.inside)
         self.signal_types = {item.name: item.type for item in process.constants}
         self.signal_types |= {item.name: item.type for item in process.states} | made
         kept = kept_signals(process, made, self.inside)
@@ -163,8 +163,12 @@ class Members:
 
     def ends_of_laws(self) -> Iterator[object]:
         """What the submodels of the class are connected to."""
-        for instance in self.process.instances:
-            if isinstance(self.classes[instance.class_name], SubmodelClass):
+
+        def is_of_process(instance: InstanceOf) -> bool:
+            return isinstance(self.classes[instance.class_name], ProcessClass)
+
+        for instance in without_repeated(self.process.instances, is_of_process):
+            if not is_of_process(instance):
                 yield from (connection.attachment for connection in instance.connections)
 
     # How members are written in expressions
@@ -173,7 +177,7 @@ class Members:
         """The channels or instances, but of those that are known to repeat and that are elements of arrays only the
         first round.
         """
-        return with_elements_once(rows, lambda row: self.arrays.place(row.name)[1] is not None)
+        return without_repeated(rows, lambda row: self.arrays.place(row.name)[1] is not None)
 
     def plain(self, name: str) -> str:
         """The member of a channel or instance; elements of arrays have the member of the array."""

@@ -13,9 +13,13 @@ from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import PartsByType, all_actions
 
 
-def made_signals(body: Action) -> dict[str, Type]:
-    """The signals that reads of inputs and runs of laws compute, with their types."""
+def made_signals(body: Action, inside: PartsByType) -> dict[str, Type]:
+    """The signals that reads of inputs and runs of laws compute, with their types; ``inside`` are the parts of the
+    body.
+    """
     found: dict[str, Type] = {}
+    if not inside.of(ReadInputs) and not inside.of(RunLaw):
+        return found
     for action in all_actions(body):
         match action:
             case ReadInputs(reads=reads):
