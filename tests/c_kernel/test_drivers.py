@@ -71,6 +71,11 @@ def test_a_device_that_cannot_be_opened_is_named_and_nothing_is_driven(
             "bool lamps[1];",
             "the member `lamps` of `struct board` has to be `bool[2]`, as the port is",
         ),
+        (
+            "int64_t channel,",
+            "int32_t channel,",
+            "`board_open` has to be `bool board_open(struct board *, int64_t, double",
+        ),
     ],
 )
 def test_a_member_of_another_type_is_refused(

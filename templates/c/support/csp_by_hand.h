@@ -16,6 +16,10 @@
 #define CSP_REQUIRE(condition, name, message) typedef char name[(condition) ? 1 : -1]
 #endif
 
+/* The function must have the result and the parameters, which are in parentheses. By their size all functions are alike. */
+#define CSP_REQUIRE_FUNCTION(result, function, parameters, name, message)                                              \
+    CSP_REQUIRE(CSP_HAS_TYPE(&(function), result(*) parameters), name, message)
+
 /* The member of a struct must have the type. Compilers that show no message show `name`. */
 #define CSP_REQUIRE_MEMBER(structure, member, type, name, message)                                                     \
     CSP_REQUIRE(CSP_HAS_TYPE(((structure *)0)->member, type), name, message)

@@ -72,15 +72,15 @@ def network_of(text: str, folder: Path) -> CoreNetwork:
     return built.network
 
 
-def compiled(folder: Path, compiler: str, members: str, *, nested: bool, dialect: str = "-std=c99") -> str:
+def compiled(folder: Path, compiler: str, members: str, header: str = LAW, *, nested: bool) -> str:
     """What a compiler says of the package, with these members in the hand-written header."""
     (folder / "valve.c").write_text('#include "valve.h"\n')
-    (folder / "valve.h").write_text(LAW.replace("MEMBERS", members))
+    (folder / "valve.h").write_text(header.replace("MEMBERS", members))
     law, count = ("Doubled", "") if nested else ("Valve(gain = 2)", "var n : int = 1  n -> valve.count")
     network = network_of(PROGRAM.replace("VALVE", law).replace("COUNT", count), folder)
     package = written(pipeline.generate(network, read_source, "c"), folder / "package")
     sources = [str(path) for path in package.glob("*.c") if path.name != "main_simulation.c"]
-    flags = [compiler, *STRICT, dialect, "-fsyntax-only", f"-I{package}", f"-I{package / 'support'}"]
+    flags = [compiler, *STRICT, "-std=c99", "-fsyntax-only", f"-I{package}", f"-I{package / 'support'}"]
     return subprocess.run([*flags, *sources], capture_output=True, text=True, check=False).stderr
 
 
@@ -110,6 +110,20 @@ def test_other_types_are_refused_with_a_reason(
     assert (
         f"valve.h: the member `{member}` of `struct valve` has to be `{type_}`, as the port is (tank.csp:" in reported
     )
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("nested", [False, True])
+@pytest.mark.parametrize("parameters", ["float gain", "double gain, double other", "void"])
+def test_other_parameters_are_refused_with_a_reason(
+    compiler: str, nested: bool, parameters: str, tmp_path: Path
+) -> None:
+    """C would convert an argument silently to what the parameter is."""
+    law = LAW.replace("struct valve *self, double gain", parameters.replace("float", "struct valve *self, float"))
+    reported = compiled(tmp_path, compiler, "double level; int64_t count; double opening;", law, nested=nested)
+    expected = "void valve_initialize(struct valve *, double)"
+    assert f"valve.h: `valve_initialize` has to be `{expected}`, as its definition is (tank.csp:2)" in reported
 
 
 @NEEDS_COMPILER

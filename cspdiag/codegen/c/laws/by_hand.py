@@ -1,11 +1,12 @@
-"""Compile-time checks of hand-written headers of control laws: each member must have the type of its port.
+"""Compile-time checks of hand-written headers of control laws: members and arguments must have the types of the text.
 
-Values are copied bytewise between ports and members, so a member of another type would silently hold a wrong value.
+Values are copied bytewise between ports and members, so a member of another type would silently hold a wrong value;
+and C converts an argument to whatever the parameter is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.calls import body_name, law_members
@@ -16,7 +17,7 @@ from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import lines, run
 from cspdiag.codegen.c.text.types import CTypes
-from cspdiag.model.types import Type
+from cspdiag.model.types import TextType, Type
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_calls
 from cspdiag.network.ir.network import Environment, Network, SubmodelClass
@@ -36,19 +37,34 @@ class _Member:
     where: str
 
 
+@record
+class _Initialization:
+    """The types of the arguments that initialize a hand-written law."""
+
+    body: ExternalBody
+    struct: str
+    arguments: tuple[str, ...]
+
+
 def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[str, str]:
-    """A file that does not compile if a hand-written header has members of other types than the ports; no file if the
-    network has no such headers.
+    """A file that does not compile if a hand-written header has members or parameters of other types than the text; no
+    file if the network has no such headers.
     """
     members = list(dict.fromkeys(_members(network, names, types)))
-    if not members:
+    functions = list(dict.fromkeys(_functions(network, names, types)))
+    if not functions:
         return {}
-    headers = sorted({f"{item.struct}.h" for item in members})
-    rows = comment(["Does not compile where a header that is written by hand has other types than the ports."])
+    headers = sorted({f"{item.struct}.h" for item in functions})
+    rows = comment(["Does not compile where a header that is written by hand has other types than the program."])
     rows += ['#include "types.h"', *(f'#include "{header}"' for header in headers), '#include "csp_by_hand.h"', ""]
     for item in members:
         header = source_paths(item.body)[1].rpartition("/")[2]
         rows += required_member(header, item.struct, item.name, types.type_name(item.type), item.where)
+    for law in functions:
+        header, span = source_paths(law.body)[1].rpartition("/")[2], law.body.span
+        parameters = (f"struct {law.struct} *", *law.arguments)
+        where = names.place(span.file, span.line)
+        rows += required_function(header, "void", f"{law.struct}_initialize", parameters, where)
     return {FILE: "\n".join([*rows, ""])}
 
 
@@ -64,6 +80,43 @@ def required_member(
     macro = "CSP_REQUIRE_MEMBER" if size is None else "CSP_REQUIRE_ARRAY"
     name = f"{struct}_{member}_must_be_as_its_port"
     return lines([run(call(macro, f"struct {struct}", member, expected, *number, name, quoted(message)))])
+
+
+def required_function(header: str, result: str, function: str, parameters: Sequence[str], where: str) -> list[str]:
+    """The lines that do not compile if a function in a hand-written ``header`` takes or returns other types than the
+    definition at ``where`` says.
+    """
+    listed = ", ".join(parameters)
+    message = f"{header}: `{function}` has to be `{result} {function}({listed})`, as its definition is ({where})"
+    name = f"{function}_must_be_as_its_definition"
+    return lines([run(call("CSP_REQUIRE_FUNCTION", result, function, f"({listed})", name, quoted(message)))])
+
+
+def type_of_argument(type_: Type, types: CTypes) -> str:
+    """The C type of an argument of a hand-written function."""
+    return "const char *" if isinstance(type_, TextType) else types.type_name(type_)
+
+
+def _functions(network: Network, names: PackageNames, types: CTypes) -> Iterator[_Initialization]:
+    for class_ in network.classes:
+        if not isinstance(class_, SubmodelClass):
+            continue
+        if class_.external is not None and class_.external.language == "c":
+            kinds = (
+                f"const {types.type_name(item.type)} *" if item.tunable else type_of_argument(item.type, types)
+                for item in class_.parameters
+            )
+            yield _Initialization(class_.external, names.classes[class_.name], tuple(kinds))
+        yield from _initialized_in(class_, types)
+    for environment in network.environments:
+        yield from _initialized_in(environment, types)
+
+
+def _initialized_in(owner: SubmodelClass | Environment, types: CTypes) -> Iterator[_Initialization]:
+    for called in external_calls(owner):
+        if called.external.language == "c":
+            kinds = tuple([type_of_argument(value.type, types) for _, value in called.arguments])
+            yield _Initialization(called.external, body_name(called), kinds)
 
 
 def _members(network: Network, names: PackageNames, types: CTypes) -> Iterator[_Member]:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.by_hand import required_member
+from cspdiag.codegen.c.laws.by_hand import required_function, required_member, type_of_argument
 from cspdiag.codegen.c.laws.external import source_paths
 from cspdiag.codegen.c.text.code import (
     RELATION,
@@ -165,8 +165,15 @@ class Devices:
     # ---- Checks
 
     def checks(self) -> Iterable[str]:
-        """The lines that do not compile if a member has another type than its port."""
+        """The lines that do not compile if a member or a parameter has another type than the program says."""
         required: dict[str, None] = {}
+        for driver in self.environment.drivers:
+            header, span = source_paths(driver.external)[1].rpartition("/")[2], driver.external.span
+            structure, place = snake_case(driver.definition), self.names.place(span.file, span.line)
+            given = [type_of_argument(type_, self.types) for type_ in driver.argument_types]
+            parameters = (f"struct {structure} *", *given)
+            opening = required_function(header, "bool", f"{structure}_open", parameters, place)
+            required.update(dict.fromkeys(opening))
         for item in self.connected.values():
             header = source_paths(item.driver.external)[1].rpartition("/")[2]
             span = item.driver.external.span
