@@ -122,10 +122,11 @@ class Analysis:
         if not self.report.has_errors:
             self._give_values()
         waiting = MayWait()
+        instances = {inside: name for owner in self.contexts.placed for name, inside in reversed(owner.inside.items())}
         for placed in self._inside_out_in_context():
             waiting.process(placed)
             check_guards(placed, self.report)
-            check_progress(placed, waiting, self.report, self._agreement)
+            check_progress(placed, waiting, self.report, self._agreement, instances.get(placed))
             check_releases(placed, self._agreement)
             self._check_samples(placed)
         self._agreement.report(self.report)

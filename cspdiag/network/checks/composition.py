@@ -63,15 +63,20 @@ def _excuse(shape: Shape, instance: InstanceShape) -> None:
             shape.channels[key].excused = True
 
 
-def check_progress(placed: Placed, waiting: MayWait, report: Report, agreement: Agreement) -> None:
-    """Report loops in which no time can pass, and find branches that can never be chosen."""
+def check_progress(
+    placed: Placed, waiting: MayWait, report: Report, agreement: Agreement, instance: str | None
+) -> None:
+    """Report loops in which no time can pass, and find branches that can never be chosen; ``instance`` is one in this
+    context.
+    """
     shape = placed.shape
     if shape.body is None or shape.incomplete:
         return
     flow = shape.flow
     for loop, inside in flow.decisions:
         if isinstance(loop, ir.Repeat | ir.WhileLoop):
-            _check_loop(placed, waiting, loop, flow.instructions[inside.start : inside.stop], report, agreement)
+            steps = flow.instructions[inside.start : inside.stop]
+            _check_loop(placed, waiting, loop, steps, report, agreement, instance)
     for instruction in flow.instructions:
         match instruction:
             case Select(step=choice):
@@ -90,6 +95,7 @@ def _check_loop(
     inside: Sequence[Instruction],
     report: Report,
     agreement: Agreement,
+    instance: str | None,
 ) -> None:
     """A loop that may never wait is endless if nothing inside changes its condition.
 
@@ -110,6 +116,8 @@ def _check_loop(
         ),
         delay=delays[0][0] if delays else None,
         is_instant=bool(once),
+        write=next((step.span for step in all_actions(loop.body) if _has_no_reader(placed, step)), None),
+        instance=instance,
     )
     causes = [duration for _, duration in delays] + ([] if condition is None else [condition])
     if any(isinstance(part, ParameterValue) for cause in causes for part in walk(cause)):
@@ -141,6 +149,15 @@ def _may_end(
         return True
     written = _written_in(placed.shape, inside)
     return not variables.isdisjoint(written) or any(is_open(placed, key) for key in variables)
+
+
+def _has_no_reader(placed: Placed, step: ir.CoreAction) -> bool:
+    """Whether a step writes to a port behind which no process waits for values."""
+    return (
+        isinstance(step, ir.WriteValue)
+        and isinstance(step.sink, ir.PortEnd)
+        and placed.facts[end_key(step.sink)][0] == "var"
+    )
 
 
 def _depends_on_time(condition: Expression) -> bool:

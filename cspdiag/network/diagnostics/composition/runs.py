@@ -137,14 +137,19 @@ class EndlessLoop(Diagnostic):
     """A delay inside that is over at once."""
     is_instant: bool = False
     """Whether it is one until an instant, the same in every iteration."""
+    write: Span | None = None
+    """A communication inside that waits for no reader."""
+    instance: str | None = None
+    """An instance in which that is so."""
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return (
-            ()
-            if self.delay is None
-            else (Label(self.delay, "the same instant in every iteration" if self.is_instant else "takes no time"),)
-        )
+        if self.delay is not None:
+            return (Label(self.delay, "the same instant in every iteration" if self.is_instant else "takes no time"),)
+        if self.write is not None:
+            where = "" if self.instance is None else f"in `{self.instance}` "
+            return (Label(self.write, f"{where}this waits for no reader"),)
+        return ()
 
     @property
     def message(self) -> str:
@@ -167,4 +172,6 @@ class EndlessLoop(Diagnostic):
             return "a delay of zero or negative duration ends immediately: make it longer"
         if self.may_end_first:
             return "remove the loop if one iteration is meant; otherwise put a communication or a `wait` into it"
+        if self.write is not None:
+            return "let a process read with `?` what the loop writes, or put a `wait` into the loop"
         return "put a communication or a `wait` into the loop"
