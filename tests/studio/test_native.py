@@ -161,7 +161,7 @@ def test_it_is_the_same_when_parameters_are_tuned_and_a_button_is_pressed() -> N
 
 
 def notified(target: str, model: dict[str, Any], deeds: list[tuple[int, str, dict[str, Any]]], until: int) -> list[Any]:
-    """What a session tells that is stepped from instant to instant."""
+    """What a session sends that is stepped from instant to instant."""
     player = Player()
     session = player.ask("start", **model, target=target, until=f"{until} ms")["session"]
     for instant, method, params in deeds:

@@ -1,7 +1,7 @@
 """``python -m cspdiag.studio.engine [FILE]``: the engine on standard input and output, one message a line, as JSON.
 
 A session ends, and the outputs of its program are released, when the input ends or a signal arrives; in real time also
-when nobody reads what it tells.
+when nobody reads what it sends.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def _serve(engine: Engine, lines: SimpleQueue[str | None], output: Output) -> No
         engine.proceed()
         if not engine.keeps_pace:
             output.wait()
-    sys.stderr.write("cspdiag: nobody reads what the engine of the studio tells, so it has ended\n")
+    sys.stderr.write("cspdiag: nobody reads what the engine of the studio sends, so it has ended\n")
 
 
 def _text(message: Data) -> str:

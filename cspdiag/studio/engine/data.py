@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 Data: TypeAlias = dict[str, Any]
 """An object of JSON."""
+Notify: TypeAlias = Callable[[str, Callable[[], Data]], object]
+"""Takes what the engine sends without being asked: a method, and what makes its parameters, in any thread."""
 
 
 def place_of(span: Span) -> Data:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from cspdiag.api import ProgramError
 from cspdiag.base.errors import CspdiagError
-from cspdiag.studio.engine.data import Data
+from cspdiag.studio.engine.data import Data, Notify
 from cspdiag.studio.engine.failure import RequestError
 from cspdiag.studio.engine.programs import Programs
 
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from cspdiag.studio.engine.live.session import Session
     from cspdiag.studio.engine.program_file import ProgramFile
 
-Notify: TypeAlias = Callable[[str, Callable[[], Data]], object]
-"""Takes what the engine tells without being asked: a method, and what makes its parameters, in any thread."""
 Answer: TypeAlias = Callable[[Data], Any]
 
 

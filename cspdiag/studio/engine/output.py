@@ -1,4 +1,4 @@
-"""What an engine tells, made and written by a thread of its own: a program in real time waits for neither."""
+"""What an engine sends, made and written by a thread of its own: a program in real time waits for neither."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Room:
         viewer.page = self._pages
         if self._hand is None:
             self._hand = viewer
-        self._tell_hand()
+        self._send_hand()
         if self._looking is None:
             self._looking = asyncio.create_task(self._look())
 
@@ -66,7 +66,7 @@ class Room:
         if self._hand is viewer:
             self._hand = self.viewers[0] if self.viewers else None
             await self._end_session("the page that controlled it was closed, or its connection was lost")
-        self._tell_hand()
+        self._send_hand()
         if not self.viewers:
             self._look_no_more()
 
@@ -78,7 +78,7 @@ class Room:
         await self._work.end()
 
     async def _look(self) -> None:
-        """Tell all pages when files of the program have changed on disk."""
+        """Notify all pages when files of the program have changed on disk."""
         while True:
             await asyncio.sleep(BETWEEN_LOOKS)
             if self._files.look():
@@ -174,14 +174,14 @@ class Room:
         running, self._running = self._running, None
         session, self._session = self._session, self._new_session()
         await session.end()
-        self._tell_end(running, "stopped", f"stopped: {why}")
+        self._send_end(running, "stopped", f"stopped: {why}")
 
     def _session_gone(self) -> None:
         """The engine of the running program has ended by itself."""
         running, self._running = self._running, None
-        self._tell_end(running, "fault", "the engine that ran the program has ended; the terminal may say why")
+        self._send_end(running, "fault", "the engine that ran the program has ended; the terminal may say why")
 
-    def _tell_end(self, running: dict[str, Any] | None, reason: str, text: str) -> None:
+    def _send_end(self, running: dict[str, Any] | None, reason: str, text: str) -> None:
         if running is not None:
             ended = {"session": running["session"], "at": None, "reason": reason, "text": text, "waiting": []}
             for viewer in self.viewers:
@@ -189,7 +189,7 @@ class Room:
 
     async def _take_hand(self, viewer: Viewer, params: Any) -> dict[str, Any]:
         self._hand = viewer
-        self._tell_hand()
+        self._send_hand()
         return {}
 
     async def _cancel(self, viewer: Viewer, params: Any) -> dict[str, Any]:
@@ -204,6 +204,6 @@ class Room:
         held_by = None if self._hand is None else self._hand.page
         return {"hand": viewer is self._hand, "page": viewer.page, "held_by": held_by, "viewers": len(self.viewers)}
 
-    def _tell_hand(self) -> None:
+    def _send_hand(self) -> None:
         for viewer in self.viewers:
             viewer.send({"method": "hand", "params": self._hand_of(viewer)})

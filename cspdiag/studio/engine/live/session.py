@@ -17,7 +17,7 @@ from cspdiag.runtime.kernel.durations import END_OF_TIME
 from cspdiag.simulate.record.leaves import leaves
 from cspdiag.simulate.run.live import LiveRun
 from cspdiag.studio.engine.checking import parameters_of
-from cspdiag.studio.engine.data import Data
+from cspdiag.studio.engine.data import Data, Notify
 from cspdiag.studio.engine.failure import RequestError
 from cspdiag.studio.engine.live.devices import refuse_devices
 from cspdiag.studio.engine.live.frames import Frames, waiting
@@ -26,15 +26,11 @@ from cspdiag.studio.engine.values import about, number_of
 from cspdiag.tuning import parse_change
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from cspdiag.network.ir.network import CoreNetwork, ExternalPort
     from cspdiag.runtime import Outcome
     from cspdiag.simulate.record.stored.inputs import RecordedInputs
     from cspdiag.simulate.steered.run import SteeredRun
     from cspdiag.studio.engine.programs import Files
-
-    Tell = Callable[[str, Callable[[], Data]], object]
 
 INTERVAL = 1 / 60
 """Seconds between two frames."""
@@ -46,13 +42,11 @@ _PATIENCE = 1.0
 
 
 class Session:
-    """One run. ``tell`` takes its notifications: a method, and what makes its parameters, in any thread. Raises what
-    building and starting raise.
-    """
+    """One run. ``notify`` takes what it sends. Raises what building and starting raise."""
 
-    def __init__(self, number: int, files: Files, params: Data, tell: Tell) -> None:
+    def __init__(self, number: int, files: Files, params: Data, notify: Notify) -> None:
         self.number = number
-        self._tell = tell
+        self._notify = notify
         environment, until = _text(params, "environment"), params.get("until")
         self._real_time = params.get("real_time", False)
         if not isinstance(self._real_time, bool):
@@ -284,10 +278,10 @@ class Session:
             self._speed = None
         # Asking each process takes longer than some periods.
         frame = self._frames.next(with_waiting=not self._real_time)
-        self._tell("frame", lambda: {"session": self.number, **frame()})
+        self._notify("frame", lambda: {"session": self.number, **frame()})
         if outcome is not None:
             self._run.end()
-            self._tell("ended", partial(self._ended, outcome))
+            self._notify("ended", partial(self._ended, outcome))
 
     def _ended(self, outcome: Outcome) -> Data:
         deadlock = outcome.deadlock
