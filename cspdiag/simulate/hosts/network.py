@@ -24,6 +24,8 @@ _PATIENCE = 1.0
 """Seconds that what was sent last has to reach the other places."""
 _RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
 """When to try again to connect, if the first place does not listen yet."""
+_LOOPBACK = ("localhost", "127.0.0.1", "::1")
+"""Names of this machine itself: an operating system may take the first for either of the others."""
 _DIRECTLY = "directly"
 _LOOK = 0.05
 """Seconds after which a place that connects looks whether it has to stop."""
@@ -56,7 +58,7 @@ class ZenohTransport:
 
     def _listening(self) -> Any:
         zenoh = _library()
-        endpoint = {"listen/endpoints": [f"tcp/{self._address}"], "listen/exit_on_failure": True}
+        endpoint = {"listen/endpoints": [_endpoint(self._address)], "listen/exit_on_failure": True}
         try:
             return zenoh.open(_config(zenoh, mode="router", **endpoint))
         except zenoh.ZError as error:
@@ -67,14 +69,16 @@ class ZenohTransport:
 
     def _connected(self) -> Any:
         zenoh = _library()
+        until = time.monotonic() + self._patience
+        self._address = _listened_at(self._address, until)
         config = _config(
             zenoh,
             mode="client",
             **{
-                "connect/endpoints": [f"tcp/{self._address}"],
+                "connect/endpoints": [_endpoint(self._address)],
                 "connect/exit_on_failure": True,
                 # One try takes several round trips, so none is ended before the others are.
-                "connect/timeout_ms": round(self._patience * 1000),
+                "connect/timeout_ms": max(1, round((until - time.monotonic()) * 1000)),
                 "connect/retry": _RETRY,
             },
         )
@@ -99,8 +103,8 @@ class ZenohTransport:
         """A session whose partners learn of each other from the first place."""
         zenoh = _library()
         endpoints = {
-            "listen/endpoints": [f"tcp/{_own_address(self._address)}:0"],
-            "connect/endpoints": [f"tcp/{self._address}"],
+            "listen/endpoints": [_endpoint(f"{_own_address(self._address)}:0")],
+            "connect/endpoints": [_endpoint(self._address)],
             "connect/exit_on_failure": False,
             "connect/timeout_ms": 0,
         }
@@ -175,14 +179,46 @@ def _parts(address: str) -> tuple[str, int]:
     return host.strip("[]"), int(port)
 
 
+def _endpoint(address: str) -> str:
+    """An address as Zenoh writes it, which knows network interfaces by number only. Raises PlaceError."""
+    host, port = _parts(address)
+    host, _, interface = host.partition("%")
+    if interface and not interface.isdecimal():
+        try:
+            interface = str(socket.if_nametoindex(interface))
+        except OSError:
+            raise PlaceError(f"this machine has no network interface `{interface}`, which {address} names") from None
+    zone = f"%{interface}" if interface else ""
+    return f"tcp/[{host}{zone}]:{port}" if ":" in host else f"tcp/{host}:{port}"
+
+
+def _listened_at(address: str, until: float) -> str:
+    """The address of the first place, as soon as it listens; the given one after the instant ``until`` of the clock of
+    the machine, in seconds. On this machine, its command may have another name of the machine than this one.
+    """
+    host, port = _parts(address)
+    if host not in _LOOPBACK:
+        return address
+    names = (host, *(name for name in _LOOPBACK if name != host))
+    addresses = [f"[{name}]:{port}" if ":" in name else f"{name}:{port}" for name in names]
+    while time.monotonic() < until:
+        for found in addresses:
+            if _accepts(found):
+                return found
+        time.sleep(_LOOK)
+        stopping.check()
+    return address
+
+
 def _own_address(address: str) -> str:
     """The address of this machine at which those that are near another one reach it, too."""
     with suppress(OSError):
         for family, kind, protocol, _, place in _found(address):
             with socket.socket(family, kind, protocol) as probe:
                 probe.connect(place)
-                own = str(probe.getsockname()[0])
-                return f"[{own}]" if ":" in own else own
+                own, _, *more = probe.getsockname()
+                zone = f"%{more[1]}" if more and more[1] else ""
+                return f"[{own}{zone}]" if ":" in own else str(own)
     return "127.0.0.1"
 
 

@@ -8,6 +8,7 @@ import socket
 import threading
 import time
 from argparse import Namespace
+from ipaddress import IPv6Address
 from pathlib import Path
 from typing import NoReturn
 
@@ -97,6 +98,67 @@ def test_places_that_are_not_the_first_reach_each_other(reachable: bool, monkeyp
     finally:
         for transport in (first, second, third):
             transport.close()
+
+
+def _meet(first: str, second: str) -> None:
+    """Two places find each other, although each has an address of its own for the first one."""
+    port, arrived = free_port(), threading.Event()
+    listening, connecting = (
+        ZenohTransport(f"{host}:{port}", "room", listens=host is first, patience=5) for host in (first, second)
+    )
+    try:
+        listening.open("first", lambda data: arrived.set())
+        connecting.open("second", lambda data: None)
+        assert eventually(lambda: _reaches(connecting, "first", arrived))
+    finally:
+        connecting.close()
+        listening.close()
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("localhost", "[::1]"), ("[::1]", "localhost"), ("127.0.0.1", "[::1]"), ("[::1]", "127.0.0.1")],
+)
+def test_places_of_one_machine_find_each_other_under_all_its_names(first: str, second: str) -> None:
+    pytest.importorskip("zenoh")
+    if not _has_address("::1"):
+        pytest.skip("this machine has no IPv6")
+    _meet(first, second)
+
+
+def _has_address(host: str) -> bool:
+    try:
+        ((*_, place), *_) = socket.getaddrinfo(host, 0, socket.AF_INET6, socket.SOCK_STREAM)
+        socket.create_server(place, family=socket.AF_INET6).close()
+    except OSError:
+        return False
+    return True
+
+
+def _address_of_one_link() -> tuple[str, str]:
+    """A link-local address of this machine, and its network interface."""
+    table = Path("/proc/net/if_inet6")
+    for line in table.read_text().splitlines() if table.exists() else ():
+        digits, *_, interface = line.split()
+        address = IPv6Address(int(digits, 16))
+        if address.is_link_local and _has_address(f"{address}%{interface}"):
+            return str(address), interface
+    pytest.skip("this machine has no link-local address")
+
+
+def test_an_address_of_one_link_names_the_interface() -> None:
+    pytest.importorskip("zenoh")
+    address, interface = _address_of_one_link()
+    _meet(f"[{address}%{interface}]", f"[{address}%{socket.if_nametoindex(interface)}]")
+
+
+@pytest.mark.parametrize("listens", [True, False])
+def test_an_interface_that_the_machine_does_not_have(listens: bool) -> None:
+    pytest.importorskip("zenoh")
+    transport = ZenohTransport("[fe80::7%absent7]:7447", "room", listens=listens, patience=0.5)
+    why = r"no network interface `absent7`, which \[fe80::7%absent7\]:7447 names"
+    with pytest.raises(PlaceError, match=why):
+        transport.open("first", lambda data: None)
 
 
 @pytest.mark.parametrize(("listens", "why"), [(True, "does not answer as the first place"), (False, "nobody listens")])
@@ -197,6 +259,11 @@ def test_options_that_places_do_not_have(capsys: pytest.CaptureFixture[str], tmp
     for options, message in (
         (["--place", "left"], "--place left: write NAME@HOST:PORT, such as pan@192.168.1.7:7447 or pan@[fd00::7]:7447"),
         (["--place", "left@h:99999"], "--place left@h:99999: write NAME@HOST:PORT"),
+        (["--place", "left@[fd00::7::]:1"], "--place left@[fd00::7::]:1: write NAME@HOST:PORT"),
+        (
+            ["--place", "left@[fe80::7]:1"],
+            "name this machine's interface to the one that is meant, such as [fe80::7%eth0]",
+        ),
         (["--place", "up@h:1"], "the environment `Bench` has no place `up`; it has `left`, `right`"),
         (["--place", "left@h:1", "--target", "c"], "--target is not for --place: places run in Python"),
     ):

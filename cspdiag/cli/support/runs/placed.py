@@ -6,6 +6,7 @@ import re
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from ipaddress import IPv6Address
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.support.failure import NoResultError, UsageError
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from cspdiag.simulate.record.modes import ModeGroup
     from cspdiag.simulate.run.package import LoadedPackage
 
-_SEAT = re.compile(r"(?P<place>[^@]+)@(?P<host>\[[0-9a-fA-F:]+\]|[^@:]+):(?P<port>[0-9]+)")
+_SEAT = re.compile(r"(?P<place>[^@]+)@(?P<host>\[[^\[\]]+\]|[^@:\[\]]+):(?P<port>[0-9]+)")
 
 
 def seat_of(text: str) -> Seat:
@@ -28,8 +29,19 @@ def seat_of(text: str) -> Seat:
     from cspdiag.simulate.hosts.part import Seat
 
     found = _SEAT.fullmatch(text)
-    if found is None or not 0 < int(found["port"]) < 65536:
-        raise UsageError(f"--place {text}: write NAME@HOST:PORT, such as pan@192.168.1.7:7447 or pan@[fd00::7]:7447")
+    try:
+        if found is None or not 0 < int(found["port"]) < 65536:
+            raise ValueError(text)
+        address = IPv6Address(found["host"][1:-1]) if found["host"].startswith("[") else None
+    except ValueError:
+        raise UsageError(
+            f"--place {text}: write NAME@HOST:PORT, such as pan@192.168.1.7:7447 or pan@[fd00::7]:7447"
+        ) from None
+    if address is not None and address.is_link_local and address.scope_id is None:
+        raise UsageError(
+            f"--place {text}: many networks have an address {address}: name this machine's interface to the one that "
+            f"is meant, such as [{address}%eth0]"
+        )
     return Seat(found["place"], f"{found['host']}:{found['port']}")
 
 
