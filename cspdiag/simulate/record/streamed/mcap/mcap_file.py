@@ -211,7 +211,10 @@ class McapFile:
             except OSError:
                 if not self._chunks:
                     return
-                self._end = self._chunks.pop().start
+                lost = self._chunks.pop()
+                self._end = lost.start
+                for port, count in lost.counts.items():
+                    self._counts[port] -= count
 
     def _statistics(self) -> bytes:
         first, last = self.span

@@ -6,6 +6,7 @@ import errno
 import json
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 
 from cspdiag.simulate.record.stored.described import RecordingHead
 from cspdiag.simulate.record.streamed.blocks import Block
@@ -53,14 +54,35 @@ class RosBag:
         """See ``Writer.abandon``."""
         self._mcap.abandon()
         self._file.close()
+        try:
+            self._describe()
+        except OSError:
+            # There is no room for another file. What is left needs no more room than what was described.
+            self._write_description(self._description)
 
     def discard(self) -> None:
         """See ``Writer.discard``."""
         self._file.discard()
-        os.unlink(os.path.join(self._part, "metadata.yaml"))
+        os.unlink(self._description)
         os.rmdir(self._part)
 
+    @property
+    def _description(self) -> str:
+        return os.path.join(self._part, "metadata.yaml")
+
     def _describe(self) -> None:
+        """Replaces the description by one of what is in the file now."""
+        new = f"{self._description}.new"
+        try:
+            self._write_description(new)
+            os.replace(new, self._description)
+        except OSError:
+            with suppress(FileNotFoundError):
+                os.unlink(new)
+            raise
+
+    def _write_description(self, path: str) -> None:
+        """Without emptying it before: an old description that is replaced leaves its room to the new one."""
         first, last = self._mcap.span
         counts = self._mcap.counts
         span = {
@@ -93,7 +115,6 @@ class RosBag:
         }
         # JSON is YAML, too.
         text = json.dumps({"rosbag2_bagfile_information": about}, indent=2) + "\n"
-        target = os.path.join(self._part, "metadata.yaml")
-        with open(f"{target}.new", "w", encoding="utf-8") as file:
+        with open(os.open(path, os.O_WRONLY | os.O_CREAT, 0o666), "w", encoding="utf-8") as file:
             file.write(text)
-        os.replace(f"{target}.new", target)
+            file.truncate()
