@@ -76,7 +76,14 @@ def conversion(found: Type, expected: Type, span: Span) -> tuple[Edit, ...]:
     return ()
 
 
-def converts_left(left: Type, right: Type) -> bool:
+def to_convert(left: Type, left_span: Span, right: Type, right_span: Span) -> tuple[Type, Type, Span]:
+    """Of two values that must agree, the one that should be converted: its type, that of the other, and its place."""
+    if _converts_left(left, right):
+        return left, right, left_span
+    return right, left, right_span
+
+
+def _converts_left(left: Type, right: Type) -> bool:
     """Whether the left of two values that must agree should be converted: it is narrower, or not in SI units."""
     match left, right:
         case RealType(), RealType() if left.bits == right.bits:

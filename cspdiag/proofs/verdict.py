@@ -9,9 +9,6 @@ from typing import Literal, TypeAlias
 
 from cspdiag.base.record import record
 
-ONE_REACHABLE = "the only reachable state"
-
-
 Method: TypeAlias = Literal["rules", "sat", "invariants", "stubborn", "minimization", "breadth-first", "spin"]
 
 
@@ -106,3 +103,18 @@ class Limits:
             raise self.time_is_up()
         if used > self.memory:
             raise LimitError(f"the memory limit of {self.memory / 1e6:g} MB was reached")
+
+
+def reachable_states(count: int) -> str:
+    """Of so many reachable states, all."""
+    return "the only reachable state" if count == 1 else f"the {count} reachable states"
+
+
+def among_reachable_states(count: int) -> str:
+    """Where something was looked for."""
+    return f"{'at' if count == 1 else 'among'} {reachable_states(count)}"
+
+
+def no_reachable_state_is(count: int) -> str:
+    """The beginning of a sentence on what was not found."""
+    return f"{reachable_states(count)} is not" if count == 1 else f"none of {reachable_states(count)} is"

@@ -1,4 +1,4 @@
-"""Numbers in options: finite, and written as in the language; and the option for the numbers of a program."""
+"""Numbers in options: finite, and written as in the language; and the options for the numbers of a program."""
 
 from __future__ import annotations
 
@@ -42,6 +42,19 @@ def positive(least: float, most: float, unit: str) -> Callable[[str], float]:
         return value
 
     return read
+
+
+def add_settings(parser: ArgumentParser) -> None:
+    """Declare the option ``--set``: numbers of the program that are other ones than in its text."""
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        dest="settings",
+        help="a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be "
+        "given again",
+    )
 
 
 def add_real(parser: ArgumentParser) -> None:

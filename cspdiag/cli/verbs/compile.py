@@ -11,7 +11,7 @@ from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import require_folder
-from cspdiag.cli.support.numbers import add_real
+from cspdiag.cli.support.numbers import add_real, add_settings
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.codegen import TARGETS, target_errors
 from cspdiag.codegen.options import FMI_VERSIONS, FRAMEWORKS
@@ -67,9 +67,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="the environment to compile for (default: the first); with --target fmu: the FMU is this environment, "
         "without the program",
     )
-    parser.add_argument(
-        "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
-    )
+    add_settings(parser)
     add_real(parser)
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed by hand")
     parser.add_argument(
@@ -279,7 +277,7 @@ def _built(arguments: Namespace, *, for_code: bool = False) -> Built:
             read_source,
             top=arguments.top,
             environment=arguments.environment,
-            settings=split_settings(arguments.set),
+            settings=split_settings(arguments.settings),
             real=arguments.real,
             for_code=for_code and not arguments.debug_passes,
         )

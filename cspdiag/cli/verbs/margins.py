@@ -11,7 +11,7 @@ from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError, require_package
 from cspdiag.cli.support.files.written import file_path, require_file
-from cspdiag.cli.support.numbers import add_real, number
+from cspdiag.cli.support.numbers import add_real, add_settings, number
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 
 if TYPE_CHECKING:
@@ -37,13 +37,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--environment", metavar="NAME", help="the environment whose plant closes the loops (default: the first)"
     )
     parser.add_argument("--loop", metavar="PART", help="only loops with this in their path")
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
-        help=(
-            "a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be "
-            "given again"
-        ),
-    )  # fmt: skip
+    add_settings(parser)
     add_real(parser)
     parser.add_argument(
         "--at", action="append", default=[], metavar="NAME=VALUE", dest="point",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError, require_package
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
-from cspdiag.cli.support.numbers import add_real
+from cspdiag.cli.support.numbers import add_real, add_settings
 from cspdiag.cli.support.runs.given_inputs import given_inputs, limited
 from cspdiag.cli.support.runs.recorded import opened_recording, recording_path, require_recording, socket_place
 from cspdiag.cli.support.runs.requested import Given
@@ -42,13 +42,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--environment", metavar="NAME", help="the environment to run in (default: the first)")
     parser.add_argument("--for", dest="until", metavar="TIME", help="end after this time, such as 20s or 500ms")
     parser.add_argument("--real-time", action="store_true", help="run against the clock instead of in virtual time")
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
-        help=(
-            "a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be "
-            "given again"
-        ),
-    )  # fmt: skip
+    add_settings(parser)
     add_real(parser)
     parser.set_defaults(real=None)  # A trace that is replayed has its own.
     parser.add_argument(

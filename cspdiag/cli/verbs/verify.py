@@ -15,7 +15,7 @@ from cspdiag.cli.support.diagnostic_formats import FORMATS, REPORTS, rendered_di
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.output import replace_text
 from cspdiag.cli.support.files.written import file_path, require_different, require_file
-from cspdiag.cli.support.numbers import add_real, positive
+from cspdiag.cli.support.numbers import add_real, add_settings, positive
 from cspdiag.cli.support.proofs.answers import answers_as_json, refused, rendered_answers
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
 
@@ -37,9 +37,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
     parser.add_argument("--process", metavar="NAME", help="only what is asserted of this process, or is expected of it")
-    parser.add_argument(
-        "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
-    )
+    add_settings(parser)
     add_real(parser)
     parser.add_argument(
         "--method", choices=METHODS, help="use this proof method only (default: the first that answers)"
@@ -195,7 +193,7 @@ def _find_obligations(arguments: Namespace, read: Reader) -> ProofObligations:
 def _settings(arguments: Namespace) -> dict[str, str]:
     from cspdiag.settings import split_settings
 
-    return split_settings(arguments.set)
+    return split_settings(arguments.settings)
 
 
 def _answers(obligations: ProofObligations, arguments: Namespace, read: Reader) -> list[Answer]:

@@ -107,7 +107,7 @@ def _built(arguments: Namespace) -> Built:
     from cspdiag.settings import SettingError, split_settings
 
     try:
-        settings = split_settings(arguments.set)
+        settings = split_settings(arguments.settings)
         built = pipeline.build(
             read_source(arguments.file), read_source, top=arguments.process, settings=settings, real=arguments.real
         )

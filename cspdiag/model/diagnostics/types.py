@@ -5,13 +5,12 @@ from __future__ import annotations
 from cspdiag.base import Diagnostic, Edit, Label, Span
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, RealType, Type
-from cspdiag.model.wording import conversion, conversion_help, converts_left, noun, shortened
+from cspdiag.model.wording import conversion, conversion_help, noun, shortened, to_convert
 
 
 @record
-class WrongType(Diagnostic):
-    code = "E0301"
-    title = "a value of the wrong type"
+class UnexpectedType(Diagnostic):
+    """A value of another type than what it is for."""
 
     what: str
     found: Type
@@ -37,9 +36,14 @@ class WrongType(Diagnostic):
 
 
 @record
-class MixedNumbers(Diagnostic):
-    code = "E0304"
-    title = "numbers of different types"
+class WrongType(UnexpectedType):
+    code = "E0301"
+    title = "a value of the wrong type"
+
+
+@record
+class MixedOperands(Diagnostic):
+    """Two operands that an operator cannot combine."""
 
     operator: str
     left: Type
@@ -52,22 +56,9 @@ class MixedNumbers(Diagnostic):
         return f"`{self.operator}` cannot combine {noun(self.left)} and {noun(self.right)}"
 
     @property
-    def help(self) -> str | None:
-        found, expected, span = self._converted
-        if isinstance(expected, RealType) and isinstance(found, IntType):
-            # A factor keeps its own unit.
-            expected = RealType(expected.bits)
-        return conversion_help(found, expected, span.text)
-
-    @property
-    def edits(self) -> tuple[Edit, ...]:
-        return conversion(*self._converted)
-
-    @property
-    def _converted(self) -> tuple[Type, Type, Span]:
-        if converts_left(self.left, self.right):
-            return self.left, self.right, self.left_span
-        return self.right, self.left, self.right_span
+    def to_convert(self) -> tuple[Type, Type, Span]:
+        """See ``wording.to_convert``."""
+        return to_convert(self.left, self.left_span, self.right, self.right_span)
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -75,6 +66,24 @@ class MixedNumbers(Diagnostic):
             Label(self.left_span, f"this is {noun(self.left)}"),
             Label(self.right_span, f"this is {noun(self.right)}"),
         )
+
+
+@record
+class MixedNumbers(MixedOperands):
+    code = "E0304"
+    title = "numbers of different types"
+
+    @property
+    def help(self) -> str | None:
+        found, expected, span = self.to_convert
+        if isinstance(expected, RealType) and isinstance(found, IntType):
+            # A factor keeps its own unit.
+            expected = RealType(expected.bits)
+        return conversion_help(found, expected, span.text)
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return conversion(*self.to_convert)
 
 
 @record
@@ -164,9 +173,7 @@ class DifferentTypes(Diagnostic):
 
     @property
     def _converted(self) -> tuple[Type, Type, Span]:
-        if converts_left(self.first, self.second):
-            return self.first, self.second, self.first_span
-        return self.second, self.first, self.span
+        return to_convert(self.first, self.first_span, self.second, self.span)
 
     @property
     def labels(self) -> tuple[Label, ...]:

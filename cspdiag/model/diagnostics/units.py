@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic, Edit, Label, Span
+from cspdiag.base import Diagnostic, Edit, Span
 from cspdiag.base.record import record
+from cspdiag.model.diagnostics.types import MixedOperands, UnexpectedType
 from cspdiag.model.types import RealType, Type
 from cspdiag.model.units import canonical
-from cspdiag.model.wording import conversion, conversion_help, converts_left, noun, shortened
+from cspdiag.model.wording import conversion, conversion_help, noun, shortened
 
 
 @record
-class WrongUnit(Diagnostic):
+class WrongUnit(UnexpectedType):
     code = "E0302"
     title = "a value of the wrong unit"
+    edits = ()
 
-    what: str
-    found: Type
-    expected: Type
-    is_number: bool
-    declared: Span | None = None
-    declared_text: str = ""
-
-    @property
-    def message(self) -> str:
-        return f"{self.what} is {noun(self.expected)}, but this is {noun(self.found)}"
+    is_number: bool = False
 
     @property
     def help(self) -> str | None:
@@ -31,54 +24,19 @@ class WrongUnit(Diagnostic):
             return f"write the unit with the number: `{self.span.text}<{self.expected.unit}>`"
         return None
 
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, self.declared_text),) if self.declared else ()
-
 
 @record
-class WrongScale(Diagnostic):
+class WrongScale(UnexpectedType):
     code = "E0303"
     title = "a value of a different scale"
 
-    what: str
-    found: Type
-    expected: Type
-    declared: Span | None = None
-    declared_text: str = ""
-
-    @property
-    def message(self) -> str:
-        return f"{self.what} is {noun(self.expected)}, but this is {noun(self.found)}"
-
-    @property
-    def help(self) -> str | None:
-        return conversion_help(self.found, self.expected, self.span.text)
-
-    @property
-    def edits(self) -> tuple[Edit, ...]:
-        return conversion(self.found, self.expected, self.span)
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, self.declared_text),) if self.declared else ()
-
 
 @record
-class MixedUnits(Diagnostic):
+class MixedUnits(MixedOperands):
     code = "E0305"
     title = "quantities of different units"
 
-    operator: str
-    left: Type
-    right: Type
-    left_span: Span
-    right_span: Span
     number: Span | None = None
-
-    @property
-    def message(self) -> str:
-        return f"`{self.operator}` cannot combine {noun(self.left)} and {noun(self.right)}"
 
     @property
     def help(self) -> str | None:
@@ -89,27 +47,14 @@ class MixedUnits(Diagnostic):
             return f"write the unit with the number: `{self.number.text}<{unit}>`"
         if self.left.unit.exponents != self.right.unit.exponents:
             return None
-        found, expected, span = self._converted
+        found, expected, span = self.to_convert
         return conversion_help(found, expected, span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
         if not isinstance(self.left, RealType) or not isinstance(self.right, RealType) or self.number is not None:
             return ()
-        return conversion(*self._converted)
-
-    @property
-    def _converted(self) -> tuple[Type, Type, Span]:
-        if converts_left(self.left, self.right):
-            return self.left, self.right, self.left_span
-        return self.right, self.left, self.right_span
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (
-            Label(self.left_span, f"this is {noun(self.left)}"),
-            Label(self.right_span, f"this is {noun(self.right)}"),
-        )
+        return conversion(*self.to_convert)
 
 
 @record

@@ -87,7 +87,7 @@ def _mismatch(expression: ast.Expression, found: Type, expected: Type, purpose: 
     if same_dimension(found.unit, expected.unit):
         return WrongScale(span, what, found, expected, declared, text)
     is_number = isinstance(expression, ast.Number) and expression.unit is None
-    return WrongUnit(span, what, found, expected, is_number, declared, text)
+    return WrongUnit(span, what, found, expected, declared, text, is_number)
 
 
 def _mismatched_part(context: Context, expression: ast.Expression, expected: Type) -> ast.Expression | None:

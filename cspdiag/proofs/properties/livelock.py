@@ -9,7 +9,7 @@ from typing import assert_never
 from cspdiag.proofs.properties.cycles import endless_run
 from cspdiag.proofs.properties.endless import Finite
 from cspdiag.proofs.transitions.systems.system import Event, System
-from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict, among_reachable_states
 
 _SEEN_OUTSIDE = ("external", "sample", "miss", "time")
 
@@ -40,7 +40,7 @@ def _reason(found: Finite) -> str:
         case "minimization":
             return "composed two at a time and minimized, the processes have no loop without the environment or time"
         case "sat" | "invariants" | "stubborn" | "breadth-first" | "spin":
-            where = f"at {ONE_REACHABLE}" if found.states == 1 else f"among the {found.states} reachable states"
-            return f"every cycle {where} involves the environment or time"
+            assert found.states is not None
+            return f"every cycle {among_reachable_states(found.states)} involves the environment or time"
         case _:
             assert_never(found.method)

@@ -12,7 +12,7 @@ from cspdiag.proofs.portfolio import prove_deadlock_free
 from cspdiag.proofs.properties.cycles import endless_run
 from cspdiag.proofs.properties.endless import Finite
 from cspdiag.proofs.transitions.systems.system import System
-from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict, among_reachable_states
 
 
 def terminates(
@@ -44,7 +44,7 @@ def _reason(found: Finite) -> str:
         case "minimization":
             return "composed two at a time and minimized, the processes repeat nothing"
         case "sat" | "invariants" | "stubborn" | "breadth-first" | "spin":
-            where = f"at {ONE_REACHABLE}" if found.states == 1 else f"among the {found.states} reachable states"
-            return f"no cycle {where}"
+            assert found.states is not None
+            return f"no cycle {among_reachable_states(found.states)}"
         case _:
             assert_never(found.method)

@@ -22,7 +22,7 @@ from cspdiag.proofs.refine.words import ended_too_soon, forbidden_event, forbidd
 from cspdiag.proofs.search.all_states import has_vectors
 from cspdiag.proofs.search.traces import end_of
 from cspdiag.proofs.transitions.systems.system import INTERNAL, System
-from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict, reachable_states
 
 
 def refines_in_traces(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:
@@ -59,8 +59,7 @@ def _refines(
     if (undecided := _undecided(process.nodes, labels)) is not None:
         return Unknown("breadth-first", undecided)
     model = "stable failure" if failures else "trace"
-    where = ONE_REACHABLE if search.states == 1 else f"the {search.states} reachable states"
-    reason = f"every {model} in {where} is one of the specification"
+    reason = f"every {model} in {reachable_states(search.states)} is one of the specification"
     return Proved("breadth-first", reason + _caveat(specification, limits, failures), search.states)
 
 

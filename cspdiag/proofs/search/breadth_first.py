@@ -17,7 +17,7 @@ from cspdiag.proofs.search.packed_conditions import Deadlocks, Knots
 from cspdiag.proofs.search.packing import Flags, Packing, Words
 from cspdiag.proofs.search.state_table import StateTable
 from cspdiag.proofs.transitions.systems.system import System
-from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict, no_reachable_state_is
 
 CHUNK = 1 << 15
 """The number of states that take a step together, so the vectors of one step fit into a processor's cache."""
@@ -63,9 +63,7 @@ def _search(system: System, limits: Limits, condition: Callable[[Packing], Deadl
         looked_for = condition(packing)
         search = explore(packing, limits, looked_for)
         if search.found is None:
-            none_is = f"none of the {search.states} reachable states is"
-            reason = f"{ONE_REACHABLE} is not" if search.states == 1 else none_is
-            return Proved("breadth-first", f"{reason} {name}", search.states)
+            return Proved("breadth-first", f"{no_reachable_state_is(search.states)} {name}", search.states)
         stuck = looked_for.stuck(search.state(search.found))
         return Refuted("breadth-first", trace_to(search, search.found), stuck, states=search.states)
     except LimitError as stop:

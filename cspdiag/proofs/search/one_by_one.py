@@ -13,7 +13,7 @@ from cspdiag.proofs.search.closed_sets import ClosedSets
 from cspdiag.proofs.search.stuck_sets import OffersByState
 from cspdiag.proofs.search.traces import moves_to
 from cspdiag.proofs.transitions.systems.system import System
-from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict, no_reachable_state_is
 
 State: TypeAlias = tuple[int, ...]
 Condition: TypeAlias = Callable[[State, bool], tuple[int, ...]]
@@ -61,8 +61,7 @@ def _search(system: System, limits: Limits, condition: Condition, name: str) -> 
         return Unknown("breadth-first", str(stop))
     count = len(search.states)
     if search.found is None:
-        reason = f"{ONE_REACHABLE} is not" if count == 1 else f"none of the {count} reachable states is"
-        return Proved("breadth-first", f"{reason} {name}", count)
+        return Proved("breadth-first", f"{no_reachable_state_is(count)} {name}", count)
     return Refuted("breadth-first", search.trace_to(search.found), search.stuck, states=count)
 
 

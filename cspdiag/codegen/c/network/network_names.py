@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from cspdiag.base.record import record
 from cspdiag.codegen.c.process.processes import ProcessFiles
 from cspdiag.codegen.c.text.literals import quoted
-from cspdiag.codegen.c.text.media import access_of_channel
+from cspdiag.codegen.c.text.media import access_of
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import Type
 from cspdiag.network.elaborate.fewer.continued import continued
@@ -85,7 +85,7 @@ class _Numbering:
     def _process(self, path: str, class_: ProcessClass) -> None:
         self.processes.append((path, class_.definition))
         for channel in class_.channels:
-            if access_of_channel(channel) != "variable":
+            if access_of(channel) != "variable":
                 self.channels.append((f"{path}.{channel.name}", channel.type))
         described = self.described.get(class_.name)
         if described is not None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.package.package import lowered_for_c
-from cspdiag.codegen.c.text.media import Access, access_of_channel
+from cspdiag.codegen.c.text.media import Access, access_of
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.network.elaborate.fewer.rows import counted, examples
@@ -67,7 +67,7 @@ class SizeMeasurement:
 
     def _buffers(self) -> list[LocalChannel]:
         classes = [entry for entry in self._network.classes if isinstance(entry, ProcessClass)]
-        return [item for entry in classes for item in examples(entry.channels) if access_of_channel(item) == "buffer"]
+        return [item for entry in classes for item in examples(entry.channels) if access_of(item) == "buffer"]
 
     def sizes(self, sizes: Mapping[str, int]) -> Sizes:
         """The sizes of the program, from those of the symbols, by name without the prefix."""
@@ -98,7 +98,7 @@ class SizeMeasurement:
         """The number of the channels of a class, and their bytes."""
         channels = size = 0
         for first, last, number in counted(entry.channels) if isinstance(entry, ProcessClass) else ():
-            access = access_of_channel(first)
+            access = access_of(first)
             if access in _CHANNELS:
                 channels += number
                 size += number * sizes[f"channel_{access}"]

@@ -25,7 +25,7 @@ from cspdiag.codegen.c.text.code import (
     own,
     unsigned,
 )
-from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium
+from cspdiag.codegen.c.text.media import READING_ENDS, access_of
 from cspdiag.codegen.c.text.rolling import Rolled, countable, rolled, rolled_from
 from cspdiag.codegen.c.text.statements import Block, Plain, Statement, define, mentions_kernel, run, store
 from cspdiag.codegen.shared.document import Document
@@ -155,7 +155,7 @@ class _Initialization:
     def _ports(self) -> Iterator[Plain]:
         members = self.members
         for port, index in members.used_ports():
-            access = access_of_medium(port.media[index or 0])
+            access = access_of(port.media[index or 0])
             if access != "discard" and not (port.direction == "in" and access in READING_ENDS):
                 member = members.layout.member(port, index)
                 yield store(own(member), PortMember(member))
@@ -173,7 +173,7 @@ class _Initialization:
         )
 
     def _channel(self, channel: LocalChannel) -> list[Plain]:
-        access, lvalue = access_of_channel(channel), own(self.members.member(channel.name))
+        access, lvalue = access_of(channel), own(self.members.member(channel.name))
         number = code("numbers->channel")
         if access == "variable":
             statements = [] if channel.initial is None else [store(lvalue, self._printed(channel.initial))]
@@ -331,7 +331,7 @@ class _Initialization:
         fields: list[tuple[str | None, Code]] = []
         for connection in instance.connections:
             port = layout.ports[connection.port]
-            access = access_of_medium(port.media[connection.index or 0])
+            access = access_of(port.media[connection.index or 0])
             name = layout.names[port.name] + ("" if connection.index is None else f"[{connection.index}]")
             match connection.attachment:
                 case ConstantEnd(value=value):

@@ -55,22 +55,8 @@ def _rendezvous(*, guarded_reads: bool, guarded_writes: bool) -> Access:
     return "guarded" if guarded_reads else "channel"
 
 
-def access_of_channel(channel: LocalChannel) -> Access:
-    """The access to a channel of a class."""
-    match channel.kind:
-        case "var":
-            return "variable"
-        case "sync":
-            return _rendezvous(guarded_reads=channel.guarded_reads, guarded_writes=channel.guarded_writes)
-        case "overwrite":
-            return "buffer"
-        case "broadcast" | "any" | "buffer":
-            return channel.kind
-    assert_never(channel.kind)
-
-
-def access_of_medium(medium: Medium) -> Access:
-    """The access to the medium behind a port."""
+def access_of(medium: LocalChannel | Medium) -> Access:
+    """The access to a channel of a class, or to the medium behind a port."""
     match medium.kind:
         case "var":
             return "variable"
@@ -85,7 +71,7 @@ def access_of_medium(medium: Medium) -> Access:
 
 def accesses(port: Port) -> tuple[Access, ...]:
     """The access of a port, or of each element of an array of ports."""
-    return tuple(access_of_medium(medium) for medium in port.media)
+    return tuple(access_of(medium) for medium in port.media)
 
 
 def port_type(access: Access, type_name: str, *, writes: bool) -> str | None:

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.port_layout import elements
-from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium, channel_type, port_type
+from cspdiag.codegen.c.text.media import READING_ENDS, access_of, channel_type, port_type
 from cspdiag.network.ir.actions import PortEnd
 from cspdiag.network.ir.network import InstanceOf, LocalChannel, Port
 
@@ -20,7 +20,7 @@ def port_members(members: Members) -> list[StructMember]:
     for port in members.process.ports:
         whole = port.size is not None and members.layout.uniform[port.name]
         for index in elements(port)[:1] if whole else elements(port):
-            access = access_of_medium(port.media[index or 0])
+            access = access_of(port.media[index or 0])
             type_ = port_type(access, members.types.type_name(port.type), writes=port.direction == "out")
             if type_ is not None:
                 name = f"{members.names[port.name]}[{port.size}]" if whole else members.layout.member(port, index)
@@ -55,7 +55,7 @@ def _signal_declarations(members: Members) -> Iterator[StructMember]:
 def _port_declarations(members: Members) -> Iterator[StructMember]:
     done: set[str] = set()
     for port, index in members.used_ports():
-        access = access_of_medium(port.media[index or 0])
+        access = access_of(port.media[index or 0])
         if port.direction == "in" and access in READING_ENDS:
             continue
         type_ = port_type(access, members.types.type_name(port.type), writes=port.direction == "out")
@@ -103,7 +103,7 @@ def _end_declarations(members: Members) -> Iterator[StructMember]:
 
 def _channel_declarations(members: Members) -> Iterator[StructMember]:
     for channel, count in _grouped(members, members.process.channels):
-        name, access = members.plain(channel.name), access_of_channel(channel)
+        name, access = members.plain(channel.name), access_of(channel)
         type_name = members.types.type_name(channel.type)
         yield StructMember(f"{channel_type(access, type_name)} {name}{count}", channel.doc)
         if channel.name in members.unwritten.variables[members.process.name]:

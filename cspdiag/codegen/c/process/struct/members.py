@@ -16,8 +16,7 @@ from cspdiag.codegen.c.text.media import (
     READING_ENDS,
     Access,
     EndInC,
-    access_of_channel,
-    access_of_medium,
+    access_of,
 )
 from cspdiag.codegen.c.text.names import PROCESS_LOCALS, Names
 from cspdiag.codegen.c.text.numbered import Numbered
@@ -94,7 +93,7 @@ class Members:
         self.ports = self.layout.ports
         self.channels = {channel.name: channel for channel in process.channels}
         self.arrays = Arrays(
-            (process.channels, lambda item: (access_of_channel(item), item.type, item.capacity, item.doc)),
+            (process.channels, lambda item: (access_of(item), item.type, item.capacity, item.doc)),
             (process.instances, lambda item: (item.class_name, item.doc)),
             taken={*self.parameters, *self.ports},
         )
@@ -282,8 +281,8 @@ class Members:
     def access(self, end: End) -> Access:
         """The access to what an end belongs to."""
         if isinstance(end, ChannelEnd):
-            return access_of_channel(self.channels[end.channel])
-        return access_of_medium(self.ports[end.port].media[end.index or 0])
+            return access_of(self.channels[end.channel])
+        return access_of(self.ports[end.port].media[end.index or 0])
 
     def type(self, end: End) -> Type:
         """The type of the values at an end."""

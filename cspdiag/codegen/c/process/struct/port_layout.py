@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.codegen.c.text.code import Code, code
-from cspdiag.codegen.c.text.media import access_of_medium, port_type
+from cspdiag.codegen.c.text.media import access_of, port_type
 from cspdiag.codegen.c.text.names import PROCESS_LOCALS, Names
 from cspdiag.network.ir.network import Port, ProcessClass
 
@@ -21,9 +21,7 @@ class PortLayout:
         self.ports = {port.name: port for port in process.ports}
         for port in process.ports:
             self.names[port.name]
-        self.uniform = {
-            port.name: len({access_of_medium(medium) for medium in port.media}) <= 1 for port in process.ports
-        }
+        self.uniform = {port.name: len({access_of(medium) for medium in port.media}) <= 1 for port in process.ports}
 
     def member(self, port: Port, index: int | Code | None) -> Code:
         """The member of a port, or of an element of an array of ports."""
@@ -43,7 +41,7 @@ class PortLayout:
     def designator(self, port: str, index: int | None) -> Code | None:
         """The designator of a port in an initializer; None for a port that has no member."""
         found = self.ports[port]
-        type_ = port_type(access_of_medium(found.media[index or 0]), "", writes=found.direction == "out")
+        type_ = port_type(access_of(found.media[index or 0]), "", writes=found.direction == "out")
         return None if type_ is None else self.member(found, index)
 
 
