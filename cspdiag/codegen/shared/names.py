@@ -27,6 +27,15 @@ def with_underscores(name: str) -> str:
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
 
 
+_LONGEST = 100
+"""Letters of the name of a file without its ending. File systems have room for 255."""
+
+
+def stem(name: str) -> str:
+    """The name of a file for a name in generated code."""
+    return name[:_LONGEST]
+
+
 class GivenNames:
     """Names of a language, each given only once."""
 

@@ -56,6 +56,7 @@ def _cortex_m(name: str, processor: str, machine: str, *options: str) -> Board:
                 "--specs=nosys.specs",
                 "-Wl,--gc-sections",
                 "-Wl,--no-warn-rwx-segments",
+                "-Wl,--no-enum-size-warning",
                 "-lm",
             ),
             script=f"{_SUPPORT}csp_port_cortex_m.ld",

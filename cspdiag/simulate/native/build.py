@@ -32,6 +32,12 @@ _LONGEST_BUILD = 3600.0
 """Seconds after which such a folder is considered abandoned."""
 _PLACE = re.compile(r"/\*(?:.*\()?\s*([^*()]+\.csp:\d+)\)?")
 
+_OVERFLOW = re.compile(r"region `(\w+)' overflowed by (\d+) bytes")
+"""What the linker of GNU says of each memory of a board that is too small."""
+_SMALLER = (
+    "help: arrays and buffers take most of the memory; a run without --on has that of this machine, and shows the same"
+)
+
 
 class CompilerError(CspdiagError):
     """There is no C compiler, or it has rejected a file."""
@@ -263,6 +269,9 @@ class Build:
                 raise CompilerError(
                     f"the compiler {command[0]} ended with exit code {code} and no message\n  {_CHOICE}"
                 )
+            if too_large := {memory: int(size) for memory, size in _OVERFLOW.findall(messages)}:
+                missing = " and ".join(f"{size:,} bytes of {memory}" for memory, size in too_large.items())
+                raise CompilerError(f"the program is too large for the board: it needs {missing} more\n  {_SMALLER}")
             raise CompilerError(f"{command[0]} failed:\n{explained(messages, self.files, scratch)}")
 
 

@@ -80,3 +80,22 @@ def test_missing_tools_are_named(
     text = capsys.readouterr().err
     assert BOARDS[board].emulator[0] in text
     assert f"apt install {BOARDS[board].packages}" in text
+
+
+def test_a_program_that_is_too_large_is_reported_in_two_lines(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    reason = EMULATED["cortex-m0"].unavailable()
+    if reason is not None:
+        pytest.skip(reason)
+    file = tmp_path / "large.csp"
+    buffers = "".join(f"    channel c{number} : int buffer 100000\n" for number in range(40))
+    uses = " ; ".join(f"c{number} ! 1 ; c{number} ? v" for number in range(40))
+    file.write_text(
+        f"process Large {{\n  communication {{\n    var v : int = 0\n{buffers}  }}\n  composition {{ {uses} }}\n}}\n"
+    )
+    assert main(["run", str(file), "--target", "c", "--on", "cortex-m0"]) != 0
+    report = capsys.readouterr().err
+    assert "the program is too large for the board" in report
+    assert "bytes of RAM more" in report
+    assert len(report.splitlines()) == 2

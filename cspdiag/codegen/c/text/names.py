@@ -5,18 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cspdiag.codegen.c.text.reserved import is_reserved
-from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, with_underscores, words
+from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, stem, with_underscores, words
 from cspdiag.network.ir.network import Network
 
 
 def identifier(text: str) -> str:
-    """A C name for a name of the source text, or for a path with dots and indexes (``pid.error``, ``cell[3]``)."""
+    """A C name for a name of the source text, or for a path with dots and indexes (``pid.error``, ``cell[3]``).
+
+    Two names of the text are never the same in C: what looks like a changed name is changed, too.
+    """
     joined = as_one_word(text)
     if not joined or joined[0].isdigit():
         joined = f"n{joined}"
-    if joined.startswith("_") or _is_of_kernel(joined):
+    if joined.startswith("_"):
+        joined = f"underscore{joined}"
+    elif _is_of_kernel(joined.lstrip("x")) or joined.lstrip("x").startswith("underscore_"):
         joined = f"x{joined}"
-    return f"{joined}_" if is_reserved(joined) else joined
+    return f"{joined}_" if is_reserved(joined.rstrip("_")) else joined
 
 
 def _is_of_kernel(name: str) -> bool:
@@ -199,4 +204,4 @@ class PackageNames(Package):
         return self._names.fresh(f"{self.prefix}_{as_one_word(name)}".upper())
 
     def _fresh(self, name: str) -> str:
-        return self._names.fresh(snake_case(name))
+        return self._names.fresh(stem(snake_case(name)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, with_underscores, words
+from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, stem, with_underscores, words
 from cspdiag.network.ir.network import Network, ProcessClass
 
 KEYWORDS = words(
@@ -109,12 +109,12 @@ class PackageNames(Package):
             name: definitions[name] for name in network.exceptions if name not in ("Timeout", "Fault")
         }
         self.modules: Mapping[str, str] = {
-            entry.name: modules.fresh(snake_case(entry.name)) for entry in network.classes
+            entry.name: modules.fresh(stem(snake_case(entry.name))) for entry in network.classes
         }
         self.environments: Mapping[str, str] = {entry.name: definitions[entry.name] for entry in network.environments}
         folder = Names()
         self.environment_modules: Mapping[str, str] = {
-            entry.name: folder.fresh(snake_case(entry.name)) for entry in network.environments
+            entry.name: folder.fresh(stem(snake_case(entry.name))) for entry in network.environments
         }
         by_hand = {entry.name for entry in network.classes if isinstance(entry, ProcessClass) and entry.external}
         made = (python for name, python in self.classes.items() if name not in by_hand)

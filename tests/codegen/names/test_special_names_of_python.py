@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import cspdiag
-from tests.codegen.test_nasty_names import PROGRAM, ROLES
+from tests.codegen.names.test_nasty_names import PROGRAM, ROLES
 
 SPECIAL = [
     "__debug__",

@@ -1,5 +1,5 @@
 """Names that mean something to C, to C++, to Python, or to the generators, in every role of a program: what is
-generated compiles. ``python -m tests.codegen.test_nasty_names 1000`` tries more of them.
+generated compiles. ``python -m tests.codegen.names.test_nasty_names 1000`` tries more of them.
 """
 
 from __future__ import annotations
