@@ -23,14 +23,6 @@ class UnexpectedType(Diagnostic):
         return f"{self.what} is {noun(self.expected)}, but this is {noun(self.found)}"
 
     @property
-    def help(self) -> str | None:
-        return conversion_help(self.found, self.expected, self.span.text)
-
-    @property
-    def edits(self) -> tuple[Edit, ...]:
-        return conversion(self.found, self.expected, self.span)
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.declared, self.declared_text),) if self.declared else ()
 
@@ -39,6 +31,14 @@ class UnexpectedType(Diagnostic):
 class WrongType(UnexpectedType):
     code = "E0301"
     title = "a value of the wrong type"
+
+    @property
+    def help(self) -> str | None:
+        return conversion_help(self.found, self.expected, self.span.text)
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return conversion(self.found, self.expected, self.span)
 
 
 @record

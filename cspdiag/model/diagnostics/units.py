@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.base import Diagnostic, Edit, Span
 from cspdiag.base.record import record
-from cspdiag.model.diagnostics.types import MixedOperands, UnexpectedType
+from cspdiag.model.diagnostics.types import MixedOperands, UnexpectedType, WrongType
 from cspdiag.model.types import RealType, Type
 from cspdiag.model.units import canonical
 from cspdiag.model.wording import conversion, conversion_help, noun, shortened
@@ -14,7 +14,6 @@ from cspdiag.model.wording import conversion, conversion_help, noun, shortened
 class WrongUnit(UnexpectedType):
     code = "E0302"
     title = "a value of the wrong unit"
-    edits = ()
 
     is_number: bool = False
 
@@ -26,7 +25,7 @@ class WrongUnit(UnexpectedType):
 
 
 @record
-class WrongScale(UnexpectedType):
+class WrongScale(WrongType):
     code = "E0303"
     title = "a value of a different scale"
 
