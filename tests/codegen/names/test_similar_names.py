@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import cspdiag
-from cspdiag.codegen.c.text.names import identifier
+from cspdiag.codegen.c.text.names import member_name
 
 PAIRS = [
     ("class", "class_"),
@@ -65,7 +65,7 @@ environment Bench for Top {{
 """
 
 
-def test_two_names_are_never_the_same_in_c() -> None:
+def test_two_names_are_never_the_same_member() -> None:
     stems = ["a", "class", "int", "csp_run", "csp", "errno", "x", "x_ref", "underscore_b", "EOF", "self", "xcsp_a"]
     names = {
         f"{before}{stem}{after}"
@@ -73,7 +73,7 @@ def test_two_names_are_never_the_same_in_c() -> None:
         for before in ("", "_", "__", "x", "xx", "x_", "x__", "underscore_", "xunderscore_")
         for after in ("", "_", "__")
     }
-    assert len({identifier(name) for name in names}) == len(names)
+    assert len({member_name(name) for name in names}) == len(names)
 
 
 @pytest.mark.parametrize(("one", "two"), PAIRS)

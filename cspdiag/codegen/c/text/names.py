@@ -10,18 +10,26 @@ from cspdiag.network.ir.network import Network
 
 
 def identifier(text: str) -> str:
-    """A C name for a name of the source text, or for a path with dots and indexes (``pid.error``, ``cell[3]``).
-
-    Two names of the text are never the same in C: what looks like a changed name is changed, too.
-    """
+    """A C name for a name of the source text, or for a path with dots and indexes (``pid.error``, ``cell[3]``)."""
     joined = as_one_word(text)
     if not joined or joined[0].isdigit():
         joined = f"n{joined}"
     if joined.startswith("_"):
         joined = f"underscore{joined}"
-    elif _is_of_kernel(joined.lstrip("x")) or joined.lstrip("x").startswith("underscore_"):
+    if _is_of_kernel(joined):
         joined = f"x{joined}"
-    return f"{joined}_" if is_reserved(joined.rstrip("_")) else joined
+    return f"{joined}_" if is_reserved(joined) else joined
+
+
+def member_name(text: str) -> str:
+    """A C name for a name of the source text that no other name has: what looks like a changed name is changed, too."""
+    name = identifier(text)
+    if name != text:
+        return name
+    plain = name.lstrip("x")
+    if plain.startswith("underscore_") or _is_of_kernel(plain):
+        return f"x{name}"
+    return f"{name}_" if is_reserved(name.rstrip("_")) else name
 
 
 def _is_of_kernel(name: str) -> bool:

@@ -10,7 +10,7 @@ from typing import assert_never
 
 from cspdiag.base import Span
 from cspdiag.codegen.c.text.code import CSP, PRODUCT, Aggregate, Atom, Code, call, cast, infix, minus
-from cspdiag.codegen.c.text.names import PackageNames, identifier
+from cspdiag.codegen.c.text.names import PackageNames, member_name
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -82,7 +82,7 @@ class CTypes:
 
     def field(self, name: str) -> str:
         """The member for a field of a struct."""
-        return identifier(name)
+        return member_name(name)
 
     def literal(self, value: Value, type_: Type, span: Span | None = None) -> Code:
         """A value as an expression; numbers are spelled as in the source text at ``span``."""
