@@ -106,12 +106,12 @@ class Limits:
 
 
 def reachable_states(count: int) -> str:
-    """Of so many reachable states, all."""
+    """All reachable states, with their number."""
     return "the only reachable state" if count == 1 else f"the {count} reachable states"
 
 
 def among_reachable_states(count: int) -> str:
-    """Where something was looked for."""
+    """Where a search looks."""
     return f"{'at' if count == 1 else 'among'} {reachable_states(count)}"
 
 
