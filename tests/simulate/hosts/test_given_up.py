@@ -86,7 +86,9 @@ def _check(source: Run, sink: Run, *, oldest: float, given_up: int, taken_nevert
     taken = _values(sink, "Both.source.sent")
     assert len(abandoned) >= given_up
     assert max(taken) > max(abandoned)  # The link has come back.
-    assert len(set(taken) & set(abandoned)) <= taken_nevertheless
+    # A busy machine may acknowledge a value just after it was given up, any number of times.
+    long_given_up = [value for value in {*taken} & {*abandoned} if taken[value] - abandoned[value] > 0.2]
+    assert len(long_given_up) <= taken_nevertheless
     assert set(written) - set(taken) - set(abandoned) <= {max(written)}  # All others have arrived.
     assert max(at - written[value] for value, at in taken.items()) < oldest
 
