@@ -196,23 +196,13 @@ def _clean_with_fewer(program: Program, least: int) -> Fewer | None:
     sizes = fewer_elements(program, least)
     if not sizes:
         return None
-    from cspdiag.model.checks.rules import check as check_model
-    from cspdiag.model.names.resolve import resolve
-    from cspdiag.network.analyse import LARGEST_PROGRAM
-    from cspdiag.network.check import check as check_network
-    from cspdiag.network.elaborate.fewer.alike import alike, keeps_values
+    from cspdiag.network.elaborate.fewer.clean import clean_with_fewer
 
-    report = Report()
-    few = resolve(program.trees, {**program.overrides, **sizes}, report)
-    check_model(few, report)
-    varying = None if report.diagnostics else alike(program, few, LARGEST_PROGRAM)
-    if varying is None:
+    found = clean_with_fewer(program, sizes)
+    if found is None:
         return None
-    analysis = check_network(few, report)
-    shapes = analysis.elaboration.shapes
-    if report.diagnostics or any(map(keeps_values, (s for s in shapes if s.definition in varying.definitions))):
-        return None
-    return Fewer(checked=Checked(program=few, report=report, readable=few, analysis=analysis), varying=varying)
+    few = Checked(program=found.program, report=Report(), readable=found.program, analysis=found.analysis)
+    return Fewer(checked=few, varying=found.varying)
 
 
 @raised_recursion_limit()

@@ -84,10 +84,11 @@ def test_generators_take_the_same_for_each_element(name: str, target: str, level
     ("name", "target", "most", "most_element_by_element"),
     [
         ("ring", "python", 100, 810),
-        ("ring", "c", 180, 820),
+        ("ring", "c", 40, 820),
         ("pipeline", "python", 45, 1_010),
+        ("pipeline", "c", 15, 1_050),
         ("workers", "python", 340, 2_080),
-        ("workers", "c", 300, 2_060),
+        ("workers", "c", 25, 2_060),
         ("star", "python", 1_460, 4_550),
     ],
 )

@@ -353,6 +353,12 @@ def test_elements_in_the_middle_of_an_array_that_differ_are_compiled_from_fewer_
     assert way(THIRDS.replace(usual, middle), FORMS) == "fewer"
 
 
+def test_branches_of_a_parallel_that_are_more_than_an_instance_are_compiled_from_fewer_elements() -> None:
+    separate = "(par i < 3 * size : source[i]) || (par i < 3 * size : cell[i])"
+    assert separate in THIRDS
+    assert way(THIRDS.replace(separate, "par i < 3 * size : (source[i] || cell[i])"), FORMS[2:]) == "fewer"
+
+
 def test_a_size_that_is_set_is_compiled_from_fewer_elements() -> None:
     assert way(network("ring", 30), settings={"size": "300"}) == "fewer"
 

@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from cspdiag.base.record import record
 from cspdiag.codegen.c.process.steps.counting import CountableTree, Numbering, counting
 from cspdiag.codegen.c.process.struct.members import Members
-from cspdiag.codegen.shared.trees import LEAST
+from cspdiag.codegen.shared.trees import LEAST, Outline
+from cspdiag.network.elaborate.fewer.rows import rows_from
 from cspdiag.network.ir import actions as ir
 
 _PLAIN = (
@@ -36,8 +37,8 @@ def replicas(members: Members, steps: Sequence[ir.Action], start: int, number: s
         return None
     marked = CountableTree(members, _PLAIN)
     count, before, changes = 0, None, None
-    for position in range(start, len(steps)):
-        found = marked.outline(steps[position])
+    while start + count < len(steps):
+        found = marked.outline(steps[start + count])
         if found is None or (before is not None and found.shape != before.shape):
             break
         if before is not None:
@@ -46,7 +47,25 @@ def replicas(members: Members, steps: Sequence[ir.Action], start: int, number: s
                 break
             changes = change
         count, before = count + 1, found
+        if count == 2 and changes is not None:
+            known = _known(members, steps, start)
+            last = marked.outline(steps[start + known - 1]) if known > count else None
+            if last is not None and last == _after(found, changes, known - count):
+                count, before = known, last
     if count < LEAST or changes is None:
         return None
     first = counting(marked.tree(steps[start]), iter(changes))
     return Replicas(count, Numbering(members).filled(first, ((number, count),)))
+
+
+def _known(members: Members, steps: Sequence[ir.Action], start: int) -> int:
+    """The number of branches of which each is known to differ from the one before in numbers that count. Whether a
+    variable has a flag is not known from the branches.
+    """
+    return 1 if any(members.unwritten.variables.values()) else rows_from(steps, start)
+
+
+def _after(before: Outline, changes: Sequence[int], count: int) -> Outline:
+    """The outline of the branch at this distance from another."""
+    numbers = [number + change * count for number, change in zip(before.numbers, changes, strict=True)]
+    return Outline(before.shape, tuple(numbers))
