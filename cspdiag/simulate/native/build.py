@@ -37,6 +37,8 @@ _OVERFLOW = re.compile(r"region `(\w+)' overflowed by (\d+) bytes")
 _SMALLER = (
     "help: arrays and buffers take most of the memory; a run without --on has that of this machine, and shows the same"
 )
+_ELSEWHERE = ("-I", "-i", "--i", "-B", "@")
+"""What options begin with that name folders and files outside of the package."""
 
 
 class CompilerError(CspdiagError):
@@ -184,8 +186,28 @@ class Build:
                 path,
                 *(f"{name}\n{self.files[name]}" for name in with_headers([path], self.files, self._folders)),
                 *self._identity,
+                self._preprocessed.get(path, ""),
             ]
         )
+
+    @cached_property
+    def _preprocessed(self) -> Mapping[str, str]:
+        """What the compiler reads in place of each source if options name other folders or files to include, which
+        change without a sign in the package.
+        """
+        if not any(option.startswith(_ELSEWHERE) for option in self._flags):
+            return {}
+        with _Scratch(self.cache) as scratch:
+            _write(scratch, self.files)
+            made = scratch / "preprocessed"
+            texts = {}
+            for path in self.sources:
+                self._run([*self._included_from(scratch), "-E", "-P", str(scratch / path), "-o", str(made)], scratch)
+                texts[path] = made.read_text(encoding="utf-8", errors="replace")
+            return texts
+
+    def _included_from(self, scratch: Path) -> list[str]:
+        return [option for folder in self._folders for option in ("-I", str(scratch / folder))]
 
     def _objects(self, digests: Mapping[str, str]) -> list[str]:
         """The objects of all sources; missing ones are compiled, in parallel on all processors."""
@@ -204,8 +226,7 @@ class Build:
 
     def _compile(self, scratch: Path, path: str, place: Path) -> None:
         made = scratch / f"{path}.o"
-        folders = [option for folder in self._folders for option in ("-I", str(scratch / folder))]
-        self._run([*folders, "-c", str(scratch / path), "-o", str(made)], scratch)
+        self._run([*self._included_from(scratch), "-c", str(scratch / path), "-o", str(made)], scratch)
         _keep(made, place)
 
     def assembled(self, path: str, *options: tuple[str, ...], patience: int | None = None) -> dict[str, str]:
@@ -215,7 +236,7 @@ class Build:
         """
         with _Scratch(self.cache) as scratch:
             _write(scratch, self.files)
-            folders = [option for folder in self._folders for option in ("-I", str(scratch / folder))]
+            folders = self._included_from(scratch)
             results = scratch / "results"
             results.mkdir()
             for position, chosen in enumerate(options):
