@@ -206,6 +206,11 @@ void csp_finite_fails(csp_kernel *csp, double value, const char *port)
     note(csp, (port != NULL) ? csp_describe_not_finite : csp_describe_not_a_number, (csp_operands){{0, 0, 0}, value, port});
 }
 
+void csp_enumerator_fails(csp_kernel *csp, int64_t value, const char *type)
+{
+    note(csp, csp_describe_enumerator, (csp_operands){{value, 0, 0}, 0.0, type});
+}
+
 void csp_not_written(csp_kernel *csp, const char *variable)
 {
     note(csp, csp_describe_not_written, (csp_operands){{0, 0, 0}, 0.0, variable});

@@ -381,6 +381,17 @@ void csp_finite_at(csp_kernel *csp, double value, const char *place);
 /* `port` is the name of the output of the program, or NULL: an output of a law. */
 void csp_finite_fails(csp_kernel *csp, double value, const char *port);
 
+/* `type` is the name of an enumeration. */
+void csp_enumerator_fails(csp_kernel *csp, int64_t value, const char *type);
+
+/* Notes a fault unless a number is that of one of the values of an enumeration, of which there are `count`. */
+static inline void csp_enumerator(csp_kernel *csp, int64_t value, int64_t count, const char *type)
+{
+    if ((value < 0) || (value >= count)) {
+        csp_enumerator_fails(csp, value, type);
+    }
+}
+
 /* Notes the fault that a variable was read before it was written. */
 void csp_not_written(csp_kernel *csp, const char *variable);
 

@@ -230,6 +230,14 @@ void csp_describe_not_finite(const csp_operands *operands, char *text, size_t si
     csp_append(text, size, operands->name);
 }
 
+void csp_describe_enumerator(const csp_operands *operands, char *text, size_t size)
+{
+    text[0] = '\0';
+    csp_append_integer(text, size, operands->integers[0]);
+    csp_append(text, size, " is no value of ");
+    csp_append(text, size, operands->name);
+}
+
 void csp_describe_not_written(const csp_operands *operands, char *text, size_t size)
 {
     text[0] = '\0';

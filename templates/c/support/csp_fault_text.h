@@ -17,6 +17,7 @@ void csp_describe_real_outside(const csp_operands *operands, char *text, size_t 
 void csp_describe_index(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_a_number(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_finite(const csp_operands *operands, char *text, size_t size);
+void csp_describe_enumerator(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_written(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_opened(const csp_operands *operands, char *text, size_t size);
 

@@ -229,3 +229,85 @@ def test_a_law_that_calculates_no_number_faults(member: str, level: int, tmp_pat
     run = native.simulate(network, read_source, level=level, until=50 * MS, options=("-O0",))
     assert run.outcome.ended == "failed"
     assert str(run.outcome.error) == "a real value is infinite or not a number, in Top.law (tank.csp:3)"
+
+
+ENUMERATION = """
+enum Mode { off, on }
+struct Held { mode : Mode  level : int }
+submodel Law c "law.c" {
+  in  x     : double
+  out mode  : Mode
+  out modes : Mode[2]
+  out held  : Held
+}
+submodel Whole {
+  in  x    : double
+  out mode : Mode
+  law : Law
+  law.x = x
+  mode = if law.held.mode == Mode.on then law.modes[1] else law.mode
+}
+process Top {
+  in  x : double @ 10 ms
+  out z : Mode @ 10 ms safe Mode.off
+  communication {
+    law : LAW
+    x        -> law.x
+    law.mode -> z
+    OTHERS
+  }
+  composition { mu law }
+}
+submodel Plant {
+  out x : double
+  x = 1
+}
+submodel Beside {
+  out x : double
+  law : Law
+  law.x = 1
+  x = if law.mode == Mode.on then 1 else 2
+}
+environment Bench for Top {
+  plant : PLANT
+  z -> _
+  plant.x -> x
+}
+"""
+COUNTS = """
+#include "law.h"
+void law_initialize(struct law *self) { law_reset(self); }
+void law_reset(struct law *self)
+{
+    self->mode = TANK_MODE_OFF; self->modes.at[0] = TANK_MODE_ON; self->modes.at[1] = TANK_MODE_ON;
+    self->held.mode = TANK_MODE_OFF; self->held.level = 7;
+}
+void law_calculate(struct law *self) { self->MEMBER = (enum tank_mode)(self->x > 0.5 ? 7 : 0); }
+"""
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("member", ["mode", "modes.at[1]", "held.mode"])
+@pytest.mark.parametrize(("law", "plant"), [("Law", "Plant"), ("Whole", "Plant"), ("", "Beside")])
+def test_a_law_that_calculates_no_value_of_an_enumeration_faults(
+    law: str, plant: str, member: str, level: int, tmp_path: Path
+) -> None:
+    others = "law.modes -> _\n    law.held -> _" if law == "Law" else ""
+    text = ENUMERATION.replace("LAW", law).replace("PLANT", plant).replace("OTHERS", others)
+    if not law:
+        text = text.replace("    x        -> law.x\n    law.mode -> z\n", "")
+        text = text.replace("mu law", "mu (x ? read ; z ! Mode.on)").replace("    law : \n", "    var read : double\n")
+    (tmp_path / "law.h").write_text(
+        "#ifndef LAW_H\n#define LAW_H\n"
+        '#include "types.h"\n'
+        "struct law { double x; enum tank_mode mode; struct tank_mode_2 modes; struct tank_held held; };\n"
+        "void law_initialize(struct law *self);\nvoid law_reset(struct law *self);\n"
+        "void law_calculate(struct law *self);\n"
+        "#endif\n"
+    )
+    (tmp_path / "law.c").write_text(COUNTS.replace("MEMBER", member))
+    network = network_of(text, tmp_path)
+    run = native.simulate(network, read_source, level=level, until=50 * MS, options=("-O0",))
+    assert run.outcome.ended == "failed"
+    assert "7 is no value of Mode, in " in str(run.outcome.error)

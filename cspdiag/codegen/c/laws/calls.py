@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from cspdiag.codegen.c.text.code import CSP, Code
 from cspdiag.codegen.c.text.names import INTEGRATION_LOCALS, Names, PackageNames, snake_case
+from cspdiag.codegen.c.text.types import scalars
 from cspdiag.codegen.shared.laws.equations import constants_needed, values
+from cspdiag.model.types import EnumType
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelClass
@@ -18,7 +20,9 @@ def law_may_fault(class_: SubmodelClass) -> bool:
     """Whether one run of the law can fault, so its caller has to check."""
     items = [part for equation in class_.equations for part in values(equation)]
     items += [value for _, value in class_.next_values]
-    return bool(class_.derivatives) or any(map(may_fault, items))
+    calls = [equation for equation in class_.equations if isinstance(equation, ExternalCall)]
+    numbers_enumerators = any(isinstance(s, EnumType) for c in calls for _, _, t in c.outputs for s in scalars(t))
+    return bool(class_.derivatives) or numbers_enumerators or any(map(may_fault, items))
 
 
 def law_verbs(class_: SubmodelClass) -> frozenset[str]:

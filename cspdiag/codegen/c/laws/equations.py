@@ -121,6 +121,10 @@ class EquationWriter:
             statements += self.check(place) or record_fault_place(place)
         else:
             statements.append(run(call(f"{self.body_name(called)}_calculate", address(body))))
+            outputs = [(body.field(types.field(port)), type_) for port, _, type_ in called.outputs]
+            tests = [run(test) for value, type_ in outputs for test in types.enumerator_checks(type_, value)]
+            if tests:
+                statements += [*tests, *(self.check(place) or record_fault_place(place))]
         for port, local, _ in called.outputs:
             statements.append(set_to(target(local), body.field(types.field(port))))
         return statements

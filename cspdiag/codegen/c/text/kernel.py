@@ -5,8 +5,8 @@ from __future__ import annotations
 _FUNCTIONS = """
     csp_absolute csp_add csp_any_read csp_any_write csp_broadcast_read csp_broadcast_write csp_buffer_read
     csp_buffer_write csp_catch csp_channel_read csp_channel_write csp_device_refused csp_direct_write csp_divide
-    csp_divide_single csp_end csp_event_read csp_event_read_again csp_fail csp_fault_in csp_faulted csp_faulted_at
-    csp_finite csp_finite_at csp_finite_single csp_guarded_read csp_guarded_write csp_index csp_int16
+    csp_divide_single csp_end csp_enumerator csp_event_read csp_event_read_again csp_fail csp_fault_in csp_faulted
+    csp_faulted_at csp_finite csp_finite_at csp_finite_single csp_guarded_read csp_guarded_write csp_index csp_int16
     csp_int16_of_real csp_int32 csp_int32_of_real csp_int64_of_real csp_int8 csp_int8_of_real csp_interruptible
     csp_interruptible_again csp_multiply csp_negate csp_not_written csp_observe csp_observe_begin csp_observe_end
     csp_observe_loop csp_observe_release csp_observe_sample csp_offer_made csp_offer_meets csp_offer_refused

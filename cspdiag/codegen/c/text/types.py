@@ -142,6 +142,23 @@ class CTypes:
             return call("csp_finite_single" if type_.bits == 32 else "csp_finite", value, port)
         return call(f"{self.suffix(type_)}_finite", CSP, value, port)
 
+    def enumerator_checks(self, type_: Type, value: Code) -> Iterator[Code]:
+        """Calls that note a fault if a part of a value that was calculated by hand is no value of its enumeration."""
+        match type_:
+            case EnumType():
+                known = (integer(len(type_.literals)), Atom(f'"{type_.name}"'))
+                yield call("csp_enumerator", cast("int64_t", value), *known)
+            case StructType(fields=fields):
+                for name, field in fields:
+                    yield from self.enumerator_checks(field, value.field(self.field(name)))
+            case ArrayType(element=element):
+                for position in range(type_.size or 0):
+                    yield from self.enumerator_checks(element, value.field("at").at(integer(position)))
+            case BoolType() | IntType() | RealType() | TimeType() | TextType() | UnknownType():
+                return
+            case _:
+                assert_never(type_)
+
 
 def scalars(type_: Type) -> Iterator[Type]:
     """The types of the scalars that a value consists of."""

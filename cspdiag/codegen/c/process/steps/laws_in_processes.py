@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.calls import body_name, kernel_of, law_may_fault, law_members, law_verbs
@@ -120,10 +121,13 @@ def call_law(writer: Writer, step: ir.RunInstance, class_: SubmodelClass) -> lis
 
 
 def _test_outputs(writer: Writer, class_: SubmodelClass, member: Code, names: Names) -> list[Statement]:
-    """What notes a fault if a law that is written by hand has calculated a real that is not finite."""
-    ports = (port for port in class_.ports if port.direction == "out")
-    tests = (writer.members.types.finite_check(p.type, member.field(names[p.name]), code("NULL")) for p in ports)
-    return [run(test) for test in tests if test is not None]
+    """What notes a fault if a law that is written by hand has calculated a real that is not finite, or what is no value
+    of an enumeration.
+    """
+    types, ports = writer.members.types, [port for port in class_.ports if port.direction == "out"]
+    finite = (types.finite_check(port.type, member.field(names[port.name]), code("NULL")) for port in ports)
+    enumerators = (types.enumerator_checks(port.type, member.field(names[port.name])) for port in ports)
+    return [run(test) for test in (*finite, *chain.from_iterable(enumerators)) if test is not None]
 
 
 def _connections_of(class_: SubmodelClass, connections: Sequence[Connection], direction: str) -> Iterator[Connection]:
