@@ -1,12 +1,14 @@
 """Names that the generators change must not become the name of something else beside them."""
 
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
 
 import cspdiag
 from cspdiag.codegen.c.text.names import member_name
+from tests.codegen.names.test_nasty_names import allowed_as_constants, names_in_functions
 
 PAIRS = [
     ("class", "class_"),
@@ -108,3 +110,22 @@ def test_names_may_be_longer_than_those_of_files(tmp_path: Path) -> None:
             run = program.run(until="1 ms", target=target, level=level)
             assert 1 in [*run["a"]], (target, level)
             assert 2 in [*run["b"]], (target, level)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no C compiler")
+@pytest.mark.parametrize("level", [0, 1])
+def test_no_local_variable_hides_a_constant(level: int, tmp_path: Path) -> None:
+    names = allowed_as_constants({*names_in_functions()})
+    total = " + ".join(f"({' + '.join(names[start : start + 40])})" for start in range(0, len(names), 40))
+    text = "".join(f"const {name} = 1.0\n" for name in names)
+    text += f"process Q {{ out q : double  composition {{ q ! {total} }} }}\nenvironment B for Q {{ q -> _ }}\n"
+    (tmp_path / "constants.csp").write_text(text)
+    files = cspdiag.load(tmp_path / "constants.csp").compile("c", level=level)
+    for path, made in files.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(made)
+    sources = [path for path in files if path.endswith(".c") and "support" not in path]
+    folders = [f"-I{tmp_path / folder}" for folder in {str(Path(path).parent) for path in files}]
+    command = ["gcc", "-std=c99", "-fsyntax-only", "-Wshadow", "-Werror", *folders, *sources]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.stderr == ""

@@ -140,7 +140,7 @@ PROCESS_LOCALS = words("process party progress condition numbers ports samples f
 ENVIRONMENT_LOCALS = INTEGRATION_LOCALS | words("program now present self state device value last")
 """Parameters and local variables of the functions of environments."""
 
-_LOCALS = PROCESS_LOCALS | ENVIRONMENT_LOCALS | words("number input context")
+_LOCALS = PROCESS_LOCALS | ENVIRONMENT_LOCALS | words("number input context drivers hooks")
 """Parameters and local variables of generated functions, which would hide a constant of the program."""
 
 
