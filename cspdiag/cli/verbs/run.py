@@ -161,6 +161,7 @@ def run(arguments: Namespace) -> int:
     from cspdiag.runtime.kernel.signals import name_of_signal
     from cspdiag.runtime.kernel.stopping import HandlerFailed, Stopped, stopping
     from cspdiag.runtime.outside.job_control import stay_running
+    from cspdiag.simulate.native.values import NoEnumeratorError
 
     with stopping.until_exit(lambda text: say(f"cspdiag: {text}")) if arguments.whole_process else stopping:
         if arguments.whole_process:
@@ -172,7 +173,10 @@ def run(arguments: Namespace) -> int:
             return stopped.exit_code
         except HandlerFailed as failed:
             raise NoResultError(str(failed.error)) from None
-        return conclude(arguments, result, built.checked, recording)
+        try:
+            return conclude(arguments, result, built.checked, recording)
+        except NoEnumeratorError as problem:
+            raise NoResultError(str(problem)) from None
 
 
 def _refuse_unsupported_by_reference(arguments: Namespace) -> None:

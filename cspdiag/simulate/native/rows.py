@@ -13,7 +13,7 @@ from cspdiag.base.record import record
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native.parties import Parties
-from cspdiag.simulate.native.values import Decoder, decoder, layout, numpy_type
+from cspdiag.simulate.native.values import Decoder, decoder, layout, numpy_type, require_enumerators
 from cspdiag.simulate.record.history import History
 from cspdiag.simulate.record.leaves import column
 
@@ -224,11 +224,14 @@ class _Series:
         (self._samples if is_sample else self._passed).append(added)
 
     def history(self) -> History:
-        """The history of the channel: of a sampled input its samples, of any other what was passed."""
+        """The history of the channel: of a sampled input its samples, of any other what was passed. Raises
+        NoEnumeratorError.
+        """
         import numpy
 
         is_sampled = bool(self._samples)
         times, raw = _joined(self._samples if is_sampled else self._passed)
+        require_enumerators(self._channel.type, raw)
         wanted = column([], self._channel.type).dtype
         found = raw if raw.dtype == wanted and wanted.names is None else raw.astype(wanted)
         read = _joined(self._passed)[0] if is_sampled and self._passed else numpy.empty(0, numpy.int64)

@@ -6,6 +6,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, assert_never
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -25,6 +26,16 @@ if TYPE_CHECKING:
 Decoder = Callable[[bytes], object]
 
 
+class NoEnumeratorError(CspdiagError):
+    """A number that a driver in C has given is that of no value of its enumeration."""
+
+    def __init__(self, type_: EnumType, number: int) -> None:
+        super().__init__(
+            f"a value of {type_.name} has the number {number}, which is that of none of its values: only a driver that "
+            "is written in C can have given it"
+        )
+
+
 def layout(type_: Type) -> tuple[int, int]:
     """Size and alignment in bytes, of this machine's C compilers."""
     match type_:
@@ -42,11 +53,15 @@ def layout(type_: Type) -> tuple[int, int]:
 
 
 def decoder(type_: Type) -> Decoder:
-    """A function that decodes a value from its bytes: bool, int, float, and tuples for structs and arrays."""
+    """A function that decodes a value from its bytes: bool, int, float, and tuples for structs and arrays. It raises
+    NoEnumeratorError.
+    """
     if not isinstance(type_, StructType | ArrayType):
         single = struct.Struct(f"={letter_of(type_)}")
         if isinstance(type_, BoolType):
             return lambda data: data != b"\0"
+        if isinstance(type_, EnumType):
+            return lambda data: _enumerator(type_, single.unpack(data)[0])
         return lambda data: single.unpack(data)[0]
     pieces: list[tuple[slice, Decoder]] = []
     position = 0
@@ -56,6 +71,29 @@ def decoder(type_: Type) -> Decoder:
         pieces.append((slice(position, position + size), decoder(part)))
         position += size
     return lambda data: tuple(decode(data[place]) for place, decode in pieces)
+
+
+def _enumerator(type_: EnumType, number: int) -> int:
+    if not 0 <= number < len(type_.literals):
+        raise NoEnumeratorError(type_, number)
+    return number
+
+
+def require_enumerators(type_: Type, values: numpy.ndarray) -> None:
+    """Raises NoEnumeratorError if a part of the values, which are as in memory, is no value of its enumeration."""
+    match type_:
+        case EnumType():
+            for number in (values.min(), values.max()) if values.size else ():
+                _enumerator(type_, int(number))
+        case StructType(fields=fields):
+            for name, kind in fields:
+                require_enumerators(kind, values[name])
+        case ArrayType(element=element):
+            require_enumerators(element, values)
+        case BoolType() | IntType() | RealType() | TimeType() | TextType() | UnknownType():
+            return
+        case _:
+            assert_never(type_)
 
 
 def encoded(type_: Type, value: Any) -> bytes:

@@ -29,6 +29,7 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
     from cspdiag.cli.support.runs.standstill import Standstill
     from cspdiag.codegen import target_errors
     from cspdiag.simulate.native.build import CompilerError
+    from cspdiag.simulate.native.values import NoEnumeratorError
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.record.streamed.parameters import record_parameters
     from cspdiag.simulate.run.execute import BodyError
@@ -57,7 +58,7 @@ def simulate(arguments: Namespace, network: CoreNetwork, until: int | None, give
     try:
         with progress or nullcontext(), standstill or nullcontext(), endless or nullcontext():
             return _SIMULATIONS[arguments.target](run)
-    except (BodyError, CompilerError, target_errors()) as problem:
+    except (BodyError, CompilerError, NoEnumeratorError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
 
 
