@@ -35,7 +35,12 @@ class Board:
         self.count += 1
         return float("nan") if self.count == 3 else float(self.count)
 """
-HEADER = "#include <stdbool.h>\nstruct board { double level; int count; };\n"
+HEADER = """#include <stdbool.h>
+struct board { double level; int count; };
+bool board_open(struct board *self);
+void board_close(struct board *self);
+bool board_read_level(struct board *self);
+"""
 C = """
 #include "board.h"
 #include <math.h>

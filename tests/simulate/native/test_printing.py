@@ -23,7 +23,12 @@ environment Real for Top {
   board.level -> level
 }
 """
-HEADER = "#include <stdbool.h>\nstruct board { double level; };\n"
+HEADER = """#include <stdbool.h>
+struct board { double level; };
+bool board_open(struct board *self);
+void board_close(struct board *self);
+bool board_read_level(struct board *self);
+"""
 DRIVER = """
 #include "board.h"
 #include <stdio.h>
