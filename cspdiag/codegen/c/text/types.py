@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from typing import assert_never
 
 from cspdiag.base import Span
-from cspdiag.codegen.c.text.code import CSP, PRODUCT, Aggregate, Atom, Code, call, cast, infix, minus
+from cspdiag.codegen.c.text.code import CSP, PRODUCT, Aggregate, Atom, Code, call, cast, code, infix, minus
+from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames, member_name
 from cspdiag.model.types import (
     ArrayType,
@@ -146,7 +147,7 @@ class CTypes:
         """Calls that note a fault if a part of a value that was calculated by hand is no value of its enumeration."""
         match type_:
             case EnumType():
-                known = (integer(len(type_.literals)), Atom(f'"{type_.name}"'))
+                known = (integer(len(type_.literals)), code(quoted(type_.name)))
                 yield call("csp_enumerator", cast("int64_t", value), *known)
             case StructType(fields=fields):
                 for name, field in fields:
