@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
@@ -16,12 +18,13 @@ def calls(work: Callable[[], object]) -> int:
         nonlocal count
         count += event in ("call", "c_call")
 
-    before = sys.getprofile()
-    sys.setprofile(called)
-    try:
-        work()
-    finally:
-        sys.setprofile(before)
+    with _no_collector():
+        before = sys.getprofile()
+        sys.setprofile(called)
+        try:
+            work()
+        finally:
+            sys.setprofile(before)
     return count
 
 
@@ -34,10 +37,23 @@ def lines(work: Callable[[], object]) -> int:
         count += event == "line"
         return traced
 
-    before = sys.gettrace()
-    sys.settrace(traced)
-    try:
-        work()
-    finally:
-        sys.settrace(before)
+    with _no_collector():
+        before = sys.gettrace()
+        sys.settrace(traced)
+        try:
+            work()
+        finally:
+            sys.settrace(before)
     return count
+
+
+@contextmanager
+def _no_collector() -> Iterator[None]:
+    """What a collection would call is what others left behind: finalizers and callbacks of weak references."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
