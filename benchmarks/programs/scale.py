@@ -227,7 +227,7 @@ WIDTH, HEIGHT, LEFT, TOP = 250, 260, 46, 26
 def picture(rows: Sequence[Row]) -> Iterator[str]:
     """Processor time of each verb for a ring, both axes logarithmic; a grey line grows as ``n`` does."""
     yield (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * (WIDTH + LEFT) + 110} {HEIGHT + TOP + 30}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * (WIDTH + LEFT) + 120} {HEIGHT + TOP + 30}" '
         'font-family="sans-serif" font-size="10">'
     )
     yield '<rect width="100%" height="100%" fill="white"/>'
