@@ -76,6 +76,21 @@ def test_a_device_that_cannot_be_opened_is_named_and_nothing_is_driven(
             "int32_t channel,",
             "`board_open` has to be `bool board_open(struct board *, int64_t, double",
         ),
+        (
+            "void board_write_lamps(struct board *self, uint32_t index)",
+            "void board_write_lamps(struct board *self, uint8_t index)",
+            "`board_write_lamps` has to be `void board_write_lamps(struct board *, uint32_t)`, as its definition is",
+        ),
+        (
+            "bool board_read_level(struct board *self)",
+            "int board_read_level(struct board *self)",
+            "`board_read_level` has to be `bool board_read_level(struct board *)`, as its definition is",
+        ),
+        (
+            "void board_close(struct board *self)",
+            "void board_close(const struct board *self)",
+            "`board_close` has to be `void board_close(struct board *)`, as its definition is",
+        ),
     ],
 )
 def test_a_member_of_another_type_is_refused(

@@ -14,6 +14,7 @@ from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native import run as native
+from cspdiag.simulate.native.build import CompilerError
 from tests.c_kernel.building import STRICT
 from tests.codegen.c.test_leaves import HEADER, NEEDS_COMPILER, SOURCE
 from tests.codegen.c.test_package import COMPILERS, written
@@ -51,6 +52,15 @@ process Tank {
   composition {
     mu valve
   }
+}
+"""
+
+ENVIRONMENT = """
+submodel World { in opening : double  out level : double  level = 1 }
+environment Bench for Tank step 1 ms {
+  world : World
+  opening     -> world.opening
+  world.level -> level
 }
 """
 
@@ -124,6 +134,34 @@ def test_other_parameters_are_refused_with_a_reason(
     reported = compiled(tmp_path, compiler, "double level; int64_t count; double opening;", law, nested=nested)
     expected = "void valve_initialize(struct valve *, double)"
     assert f"valve.h: `valve_initialize` has to be `{expected}`, as its definition is (tank.csp:2)" in reported
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("nested", [False, True])
+@pytest.mark.parametrize(
+    "calculating", ["int valve_calculate(struct valve *self)", "void valve_calculate(struct valve *self, int again)"]
+)
+def test_another_function_that_calculates_is_refused(
+    compiler: str, nested: bool, calculating: str, tmp_path: Path
+) -> None:
+    law = LAW.replace("void valve_calculate(struct valve *self)", calculating)
+    reported = compiled(tmp_path, compiler, "double level; int64_t count; double opening;", law, nested=nested)
+    assert "valve.h: `valve_calculate` has to be `void valve_calculate(struct valve *)`" in reported
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("parameters", ["struct valve *self", "struct valve *self, const double *gain"])
+def test_a_run_reports_the_reason_before_the_messages_of_calls(parameters: str, tmp_path: Path) -> None:
+    (tmp_path / "valve.c").write_text('#include "valve.h"\n')
+    law = LAW.replace("struct valve *self, double gain", parameters)
+    (tmp_path / "valve.h").write_text(law.replace("MEMBERS", "double level; int64_t count; double opening;"))
+    law, count = "Valve(gain = 2)", "var n : int = 1  n -> valve.count"
+    network = network_of(PROGRAM.replace("VALVE", law).replace("COUNT", count) + ENVIRONMENT, tmp_path)
+    with pytest.raises(CompilerError) as found:
+        native.simulate(network, read_source, until=10 * MS, options=("-O0",))
+    reason = "valve.h: `valve_initialize` has to be `void valve_initialize(struct valve *, double)`"
+    assert reason in str(found.value).split("error", 2)[1]
 
 
 @NEEDS_COMPILER

@@ -1,4 +1,4 @@
-"""Compile-time checks of hand-written headers of control laws: members and arguments must have the types of the text.
+"""Compile-time checks of hand-written headers of control laws: members and functions must have the types of the text.
 
 Values are copied bytewise between ports and members, so a member of another type would silently hold a wrong value;
 and C converts an argument to whatever the parameter is.
@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.calls import body_name, law_members
-from cspdiag.codegen.c.laws.external import source_paths
+from cspdiag.codegen.c.laws.external import header_of
 from cspdiag.codegen.c.text.code import call, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted
@@ -58,13 +58,12 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
     rows = comment(["Does not compile where a header that is written by hand has other types than the program."])
     rows += ['#include "types.h"', *(f'#include "{header}"' for header in headers), '#include "csp_by_hand.h"', ""]
     for item in members:
-        header = source_paths(item.body)[1].rpartition("/")[2]
-        rows += required_member(header, item.struct, item.name, types.type_name(item.type), item.where)
+        rows += required_member(header_of(item.body), item.struct, item.name, types.type_name(item.type), item.where)
     for law in functions:
-        header, span = source_paths(law.body)[1].rpartition("/")[2], law.body.span
-        parameters = (f"struct {law.struct} *", *law.arguments)
+        span, header, itself = law.body.span, header_of(law.body), f"struct {law.struct} *"
         where = names.place(span.file, span.line)
-        rows += required_function(header, "void", f"{law.struct}_initialize", parameters, where)
+        rows += required_function(header, "void", f"{law.struct}_initialize", (itself, *law.arguments), where)
+        rows += required_function(header, "void", f"{law.struct}_calculate", (itself,), where)
     return {FILE: "\n".join([*rows, ""])}
 
 

@@ -25,6 +25,11 @@ def source_paths(body: ExternalBody) -> tuple[str, str]:
     return source, header
 
 
+def header_of(body: ExternalBody) -> str:
+    """The name of the header of a body in the package."""
+    return posixpath.basename(source_paths(body)[1])
+
+
 def external_paths(network: Network) -> tuple[str, ...]:
     """The paths of all hand-written files that a network needs."""
     return tuple(dict.fromkeys(path for body in c_bodies(network) for path in source_paths(body)))

@@ -12,7 +12,7 @@ from functools import cached_property
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.by_hand import required_function, required_member, type_of_argument
-from cspdiag.codegen.c.laws.external import source_paths
+from cspdiag.codegen.c.laws.external import header_of
 from cspdiag.codegen.c.text.code import (
     RELATION,
     Aggregate,
@@ -95,8 +95,8 @@ class Devices:
 
     def headers(self) -> Iterator[str]:
         """The lines that include the headers of the drivers."""
-        for path in dict.fromkeys(source_paths(driver.external)[1] for driver in self.environment.drivers):
-            yield f'#include "{path.rpartition("/")[2]}"'
+        for header in dict.fromkeys(header_of(driver.external) for driver in self.environment.drivers):
+            yield f'#include "{header}"'
 
     def fields(self) -> Iterator[Statement]:
         """The members of the environment."""
@@ -165,19 +165,27 @@ class Devices:
     # ---- Checks
 
     def checks(self) -> Iterable[str]:
-        """The lines that do not compile if a member or a parameter has another type than the program says."""
-        required: dict[str, None] = {}
-        for driver in self.environment.drivers:
-            header, span = source_paths(driver.external)[1].rpartition("/")[2], driver.external.span
-            structure, place = snake_case(driver.definition), self.names.place(span.file, span.line)
-            given = [type_of_argument(type_, self.types) for type_ in driver.argument_types]
-            parameters = (f"struct {structure} *", *given)
-            opening = required_function(header, "bool", f"{structure}_open", parameters, place)
-            required.update(dict.fromkeys(opening))
-        for item in self.connected.values():
-            header = source_paths(item.driver.external)[1].rpartition("/")[2]
-            span = item.driver.external.span
-            member, place = self.types.field(item.name), self.names.place(span.file, span.line)
-            expected, size = self.types.type_name(item.external.type), item.size
-            required.update(dict.fromkeys(required_member(header, item.structure, member, expected, place, size)))
-        return required
+        """The lines that do not compile if a member or a function has another type than the program says."""
+        required = [row for driver in self.environment.drivers for row in self._checks_of_device(driver)]
+        required += [row for item in self.connected.values() for row in self._checks_of_port(item)]
+        return dict.fromkeys(required)
+
+    def _checks_of_device(self, driver: DriverInstance) -> Iterator[str]:
+        header, place, structure = self._by_hand(driver)
+        itself = f"struct {structure} *"
+        given = [type_of_argument(type_, self.types) for type_ in driver.argument_types]
+        yield from required_function(header, "bool", f"{structure}_open", (itself, *given), place)
+        yield from required_function(header, "void", f"{structure}_close", (itself,), place)
+
+    def _checks_of_port(self, item: _Connected) -> Iterator[str]:
+        header, place, structure = self._by_hand(item.driver)
+        member, expected = self.types.field(item.name), self.types.type_name(item.external.type)
+        yield from required_member(header, structure, member, expected, place, item.size)
+        result, verb = ("void", "write") if item.external.direction == "out" else ("bool", "read")
+        parameters = (f"struct {structure} *", *(() if item.size is None else ("uint32_t",)))
+        yield from required_function(header, result, f"{structure}_{verb}_{item.name}", parameters, place)
+
+    def _by_hand(self, driver: DriverInstance) -> tuple[str, str, str]:
+        """The header of a driver, the place of its definition, and the name of its struct."""
+        span = driver.external.span
+        return header_of(driver.external), self.names.place(span.file, span.line), snake_case(driver.definition)

@@ -8,6 +8,7 @@ from weakref import ref
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.api import Interface, interface_files
+from cspdiag.codegen.c.laws.by_hand import FILE as TYPES_BY_HAND
 from cspdiag.codegen.c.laws.by_hand import checks_file
 from cspdiag.codegen.c.laws.external import device_files, external_files
 from cspdiag.codegen.c.laws.fmus import fmu_files
@@ -190,7 +191,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))
-    program = sorted(path for path in files if path.endswith(".c") and path not in devices)
+    program = [path for path in files if path.endswith(".c") and path not in devices]
     environments = [entry for entry in lowered.environments if entry.name in {item.name for item in simulated}]
     can_simulate = not options.framework and (bool(environments) or not network.external_ports)
     if can_simulate:
@@ -212,7 +213,8 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     interface = Interface(lowered, names, types, inlined=options.level > 0)
     step_files = interface_files(interface, identifying, headers, render)
     files.update(step_files)
-    program = sorted([*program, *(path for path in step_files if path.endswith(".c"))])
+    program += [path for path in step_files if path.endswith(".c")]
+    program.sort(key=lambda path: (path != TYPES_BY_HAND, path))  # Its reasons come before those of a compiler.
     kernel = sorted(
         path for path in support if path.endswith(".c") and path not in _SIMULATION and not path.startswith("csp_port_")
     )
