@@ -141,6 +141,13 @@ def test_a_process_waits_at_as_many_places_as_its_text_has(body: str, waits: int
     assert text.count("CSP_AWAIT(") == text.count(".waiting = CSP_AT_READ") == waits
 
 
+@pytest.mark.parametrize("level", [0, 1])
+def test_a_turn_may_have_many_steps(level: int) -> None:
+    steps = [f"low[i] ? w ; total := total + w * {2 + step}" for step in range(40)]
+    text = scan(f"(seq i < 4 : ({' ; '.join(steps)})) ; (seq i < 9 : (high[i] ? w))", level)
+    assert text.count("CSP_AWAIT(") == 41
+
+
 def test_the_turn_and_what_the_process_waits_for_outlast_the_wait() -> None:
     text = " ".join(scan("(seq i < 16 : (low[i] ? v[i]))").split())
     assert "for (self->turn = 0U; self->turn < 16U; self->turn++) {" in text

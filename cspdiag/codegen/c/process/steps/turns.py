@@ -7,7 +7,7 @@ contain loops, or lie between them, are a loop themselves where they repeat.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from itertools import takewhile
 from typing import Any
 
@@ -28,8 +28,8 @@ _PLAIN = (
 """Steps that need only states, and members that all turns can share."""
 
 
-LONGEST = 32
-"""The largest number of different steps in one turn."""
+SHORT = 32
+"""Turns of up to this number of steps are searched for everywhere, longer ones where a place in the text recurs."""
 
 
 @record(kw_only=True)
@@ -69,40 +69,50 @@ class TurnFinder:
 
     def _items(self, steps: Sequence[ir.Action]) -> list[_Item]:
         """The items of a sequence: loops with the shortest turns are found first, because others may repeat them."""
-        items, period = [_Item(step.span, step) for step in steps], 1
-        while period <= min(LONGEST, len(items) // LEAST):
-            found = self._with_loops(items, period)
-            period = 1 if len(found) < len(items) else period + 1
-            items = found
-        return items
+        items = [_Item(step.span, step) for step in steps]
+        while True:
+            shorter = next((found for found in self._tries(items) if len(found) < len(items)), None)
+            if shorter is None:
+                return items
+            items = shorter
+
+    def _tries(self, items: Sequence[_Item]) -> Iterator[list[_Item]]:
+        """The items with loops, of one length of turns after the other."""
+        for period in _periods(items):
+            yield self._with_loops(items, period)
 
     def _with_loops(self, items: Sequence[_Item], period: int) -> list[_Item]:
         """The items, with loops of ``period`` items a turn."""
+        ends = _ends_of_places(items, period)
         found: list[_Item] = []
         position = 0
         while position < len(items):
-            item, covered = self._at(items, position, period)
+            item, covered = self._at(items, position, period, ends[position])
             found.append(item)
             position += covered
         return found
 
-    def _at(self, items: Sequence[_Item], start: int, period: int) -> tuple[_Item, int]:
+    def _at(self, items: Sequence[_Item], start: int, period: int, end: int) -> tuple[_Item, int]:
         """The loop that begins with an item, and how many it replaces; the item itself if it does not repeat."""
-        end = _end_of_places(items, start, period)
         first = items[start : start + period]
         if end - start < LEAST * period or not all(can_complete(item.action) for item in first):
             return items[start], 1
-        known = map(self._outline, items[start:end])
-        outlines = [each for each in takewhile(lambda each: each is not None, known) if each is not None]
-        times, changes = repetitions_from(outlines, 0, period, _in_any_steps)
+        times, changes = self._repetitions(items[start : start + LEAST * period], period)
         if times < LEAST:
             return items[start], 1
+        times, changes = self._repetitions(items[start:end], period)
         waits = any(self._waits(item.action) for item in first)
         body = counting(tuple([item.tree for item in first]), iter(changes))
         span = first[0].action.span
         whole = ir.SequentialSteps(span=span, steps=body)
         loop = Turns(span=span, body=whole, iterations=times, waits=waits)
         return _Item(tuple([item.place for item in first]), loop), times * period
+
+    def _repetitions(self, items: Sequence[_Item], period: int) -> tuple[int, tuple[int, ...]]:
+        """How often the first ``period`` items repeat, and by how much their numbers change."""
+        known = map(self._outline, items)
+        outlines = [each for each in takewhile(lambda each: each is not None, known) if each is not None]
+        return repetitions_from(outlines, 0, period, _in_any_steps)
 
     def _outline(self, item: _Item) -> Outline | None:
         if not item.is_known:
@@ -161,12 +171,26 @@ def _mapped(action: Any, inner: Callable[[Any], Any], part: Callable[[Any], Any]
     )
 
 
-def _end_of_places(items: Sequence[_Item], start: int, period: int) -> int:
-    """Up to where each item has the place in the text of the one ``period`` items before: others are not alike."""
-    end = start + period
-    while end < len(items) and items[end].place == items[end - period].place:
-        end += 1
-    return end
+def _periods(items: Sequence[_Item]) -> list[int]:
+    """How many items a turn may have, the fewest first."""
+    most = len(items) // LEAST
+    last: dict[Hashable, int] = {}
+    apart: set[int] = set()
+    for position, item in enumerate(items if most > SHORT else ()):
+        apart.add(position - last.get(item.place, position))
+        last[item.place] = position
+    return [*range(1, min(SHORT, most) + 1), *sorted(period for period in apart if SHORT < period <= most)]
+
+
+def _ends_of_places(items: Sequence[_Item], period: int) -> list[int]:
+    """For each item, up to where items have the place in the text of the one ``period`` items before: others are not
+    alike.
+    """
+    ends = [start + period for start in range(len(items))]
+    for start in range(len(items) - period - 1, -1, -1):
+        if items[start].place == items[start + period].place:
+            ends[start] = ends[start + 1]
+    return ends
 
 
 def _in_any_steps(_: Sequence[int]) -> bool:
