@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from cspdiag.runtime import (
     Alternative,
     Broadcast,
@@ -17,6 +19,9 @@ from cspdiag.runtime import (
     read_all,
     stop,
 )
+from cspdiag.runtime.deadlock import partners, tasks
+from cspdiag.runtime.deadlock.tasks import Ends, NamesIn
+from cspdiag.runtime.kernel.scheduler import Task
 from tests.runtime.support import run
 
 
@@ -54,6 +59,23 @@ def test_the_cycle_names_processes_channels_and_lines() -> None:
     assert [process.path for process in report.cycle] == ["Top.p", "Top.r", "Top.q"]
     assert report.cycle[0].channels == ("Top.a",)
     assert report.cycle[0].source == "ring.csp:5"
+
+
+def test_what_is_around_many_processes_is_looked_through_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It knows the ends of all of them."""
+    taken: list[object] = []
+
+    def ends_used_by(task: Task, names_in: NamesIn | None = None) -> Ends:
+        taken.append(task)
+        return tasks.ends_used_by(task, names_in)
+
+    monkeypatch.setattr(partners, "ends_used_by", ends_used_by)
+    channels = [Channel[int](f"Top.c[{number}]") for number in range(30)]
+    around = [channels[-1], *channels]
+    outcome = Network(Top(*(Reader(f"Top.p[{n}]", around[n], around[n + 1]) for n in range(30)))).run()
+    assert outcome.deadlock is not None
+    assert len(outcome.deadlock.cycle) == 30
+    assert len(taken) == 31
 
 
 def test_processes_that_only_depend_on_the_cycle_are_listed_apart() -> None:

@@ -15,7 +15,7 @@ from ..channels.broadcast import Broadcast, BroadcastEnd
 from ..kernel.party import Waits
 from ..kernel.scheduler import Task
 from .reports import DeadlockReport, WaitingProcess
-from .tasks import NamesIn, channel_identity, ends_used_by, leaves, place_of_wait, source_of, words_of
+from .tasks import Ends, NamesIn, channel_identity, ends_used_by, leaves, place_of_wait, source_of, words_of
 
 
 def _path(task: Task) -> str:
@@ -37,11 +37,15 @@ def report_deadlock(
     tasks = list(leaves(root))
     waits = [task.waits() for task in tasks]
     own, possible = _Users(), _Users()
+    ends_around: dict[int, Ends] = {}
     for index, task in enumerate(tasks):
-        own.add(index, task)
-        possible.add(index, task)
-        for around in _enclosing(task):
-            possible.add(index, around, names_in)
+        ends = ends_used_by(task)
+        own.add(index, ends)
+        possible.add(index, ends)
+        for around in _enclosing(task):  # Many tasks have the same one.
+            if id(around) not in ends_around:
+                ends_around[id(around)] = ends_used_by(around, names_in)
+            possible.add(index, ends_around[id(around)])
     paths = [called(task) for task in tasks]
     processes = tuple(
         WaitingProcess(
@@ -69,9 +73,9 @@ class _Users:
     def __init__(self) -> None:
         self._found: defaultdict[tuple[int, str], set[int]] = defaultdict(set)
 
-    def add(self, index: int, task: Task, names_in: NamesIn | None = None) -> None:
-        """Adds what the code of ``task`` uses for the task with that number."""
-        for end, sides in ends_used_by(task, names_in).values():
+    def add(self, index: int, ends: Ends) -> None:
+        """Adds the ends that the task with that number uses."""
+        for end, sides in ends.values():
             for side in sides:
                 self._found[id(end), side].add(index)
 

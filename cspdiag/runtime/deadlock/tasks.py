@@ -24,6 +24,8 @@ from ..process import Process
 
 _BOTH_SIDES = frozenset(["read", "write"])
 NamesIn: TypeAlias = "Callable[[Task, FrameType], set[str]]"
+Ends: TypeAlias = "dict[int, tuple[In[Any] | Out[Any], set[str]]]"
+"""Ends of channels by their identities, each with the sides at which it is used."""
 _OPERATIONS = {"read": ("read", "read_all", "take"), "write": ("write", "write_all", "offer", "choose_output")}
 
 
@@ -88,9 +90,9 @@ def channels_used_by(task: Task, names_in: NamesIn | None = None) -> set[int]:
     return {channel_identity(end) for end, _ in ends_used_by(task, names_in).values()}
 
 
-def ends_used_by(task: Task, names_in: NamesIn | None = None) -> dict[int, tuple[In[Any] | Out[Any], set[str]]]:
-    """The ends of channels, by their identities, as ``channels_used_by`` finds them, with the sides that it uses."""
-    found: dict[int, tuple[In[Any] | Out[Any], set[str]]] = {}
+def ends_used_by(task: Task, names_in: NamesIn | None = None) -> Ends:
+    """The ends of channels that the task can reach, as ``channels_used_by`` finds them."""
+    found: Ends = {}
     for frame in frames_of(task):
         names = names_in_code(frame.f_code) if names_in is None else names_in(task, frame)
         names = _with_callees(names, frame)
@@ -141,9 +143,7 @@ def names_in_code(code: CodeType) -> set[str]:
     return names
 
 
-def _collect(
-    values: Iterable[Any], found: dict[int, tuple[In[Any] | Out[Any], set[str]]], sides: frozenset[str]
-) -> None:
+def _collect(values: Iterable[Any], found: Ends, sides: frozenset[str]) -> None:
     """Adds the ends among values and their parts; ``sides`` are those at which the values themselves are used."""
     pending = [(value, sides) for value in values]
     seen: set[tuple[int, frozenset[str]]] = set()

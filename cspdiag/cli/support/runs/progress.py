@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 _INTERVAL = 0.2
 _INTERVAL_OF_LINES = 10.0
+_MOST_GROUPS = 8
+"""Of more groups of modes the first are shown."""
 
 
 class Running(Protocol):
@@ -104,8 +106,11 @@ class Progress:
         speed = simulated / elapsed if elapsed > 0 else 0.0
         running = self._running()
         self._note_started_processes()
-        modes = "  ".join(f"{group.name}: {self._mode(group, running)}" for group in self._groups if group.modes)
-        return f"{simulated:8.2f} s  {speed:6.1f}x  {modes}".rstrip()
+        groups = [group for group in self._groups if group.modes]
+        modes = [f"{group.name}: {self._mode(group, running)}" for group in groups[:_MOST_GROUPS]]
+        if len(groups) > _MOST_GROUPS:
+            modes.append(f"and {len(groups) - _MOST_GROUPS} more")
+        return f"{simulated:8.2f} s  {speed:6.1f}x  {'  '.join(modes)}".rstrip()
 
     def _mode(self, group: ModeGroup, running: set[str]) -> str:
         """The processes of a group that are running."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from cspdiag.base.standard_streams import standard_error
 from cspdiag.cli.support.terminal import put
-from cspdiag.runtime.kernel.places import whereabouts
+from cspdiag.runtime.kernel.places import is_in_runtime, whereabouts
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 
 if TYPE_CHECKING:
@@ -66,6 +66,11 @@ class ProgramInThread:
         """The present instant in nanoseconds."""
         return self._network.now
 
+    @property
+    def is_reporting(self) -> bool:
+        """Whether the run has ended, and only why it ended is still being found out."""
+        return not is_in_runtime(self._scheduler)
+
     def running_processes(self) -> list[str]:
         """Processes that are found running during a tenth of a second, each with its line."""
         found: dict[str, None] = {}
@@ -84,6 +89,11 @@ class ProgramInPlace(ProgramInThread):
     def __init__(self, network: RunningPlace) -> None:
         super().__init__(network)
         self._place = network
+
+    @property
+    def is_reporting(self) -> bool:
+        """Never known: what waits for another place is not in the runtime."""
+        return False
 
     @property
     def awaited(self) -> str:
@@ -131,7 +141,8 @@ class Standstill:
         before = self._network.now
         while not self._ended.wait(self._patience):
             now = self._network.now
-            if now == before:
+            has_ended = isinstance(self._network, ProgramInThread) and self._network.is_reporting
+            if now == before and not has_ended:
                 # A line of progress may be there.
                 clear = "\r\x1b[K" if standard_error().isatty() else ""
                 places = self._network.running_processes()[:_MOST_PLACES]

@@ -47,6 +47,13 @@ def test_modes_not_begun_are_distinguished_from_ended_ones() -> None:
     assert progress.line().endswith("align: ended  servo: ended  home: home")
 
 
+def test_of_many_groups_the_first_are_shown() -> None:
+    groups = [ModeGroup(f"feed[{number}]", {f"Main.feed[{number}]": "feed"}, ()) for number in range(300)]
+    line = Progress(Recorder(communications=False), groups).line()
+    assert line.endswith("feed[7]: not begun  and 292 more")
+    assert len(line) < 300
+
+
 ENDLESS = "process Main {\n  composition { mu wait 1 ms }\n}\nenvironment E for Main {}\n"
 STUCK = "process Main {\n  composition { stop }\n}\nenvironment E for Main {}\n"
 

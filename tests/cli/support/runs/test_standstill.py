@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.support.runs.standstill import ProgramInPlace, Standstill
+from cspdiag.cli.support.runs.standstill import ProgramInPlace, ProgramInThread, Standstill
 from cspdiag.simulate.hosts.links import PATIENCE
 from cspdiag.simulate.hosts.run import DividedNetwork
 from cspdiag.simulate.record.recorder import Recorder
@@ -92,6 +92,17 @@ def test_nothing_is_reported_while_time_advances(capsys: pytest.CaptureFixture[s
     clock = _Clock(step=1, checks=5)
     with Standstill(_recorder("c"), "Top", patience=0.001) as standstill:
         standstill.attach(clock)
+        assert clock.seen.wait(60)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_run_that_has_ended_does_not_stand_still_while_the_reason_is_found(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """This thread is not in the runtime, as one that describes a deadlock of many processes."""
+    clock = _Clock(step=0, checks=5)
+    with Standstill(_recorder("c"), "Top", patience=0.001) as standstill:
+        standstill.attach(ProgramInThread(clock))
         assert clock.seen.wait(60)
     assert capsys.readouterr().err == ""
 
