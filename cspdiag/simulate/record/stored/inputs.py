@@ -220,6 +220,11 @@ def _require_ticks(recording: StoredRecording, times: numpy.ndarray, port: Recor
     if len(own) < len(expected) - 1 or not numpy.array_equal(own, expected[: len(own)]):
         wrong = numpy.flatnonzero(own != expected[: len(own)])
         at = int(expected[wrong[0]]) if len(wrong) else int(expected[len(own)])
+        if len(wrong) and own[wrong[0]] < at:
+            there = shown(int(own[wrong[0]]))
+            raise InputsError(
+                f"{recording.path} has a value at {there} for the input {where}, which has {_rhythm(port)}, not then"
+            )
         raise InputsError(f"{recording.path} has no sample at {shown(at)} for the input {where}, {_rhythm(port)}")
 
 

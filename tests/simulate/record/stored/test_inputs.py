@@ -188,6 +188,19 @@ def test_a_run_ends_where_its_inputs_end(tmp_path: Path, capsys: pytest.CaptureF
     assert "reached the time limit at 20 ms" in shown
 
 
+def test_a_value_between_samples_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program, table = tmp_path / "main.csp", tmp_path / "inputs.csv"
+    program.write_text(
+        "process Main {\n  in slow : int @ 7 ms\n  communication { var v : int }\n  composition { mu slow ? v }\n}\n"
+    )
+    table.write_text("time,slow\n0.001,1\n0.007,7\n0.008,8\n0.014,8\n")
+    assert main(["run", str(program), "--inputs", str(table)]) != 0
+    assert (
+        "has a value at 1 ms for the input `slow` (main.csp:2), which has a sample every 7 ms, not then"
+        in capsys.readouterr().err
+    )
+
+
 def test_a_missing_sample_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     program, recording = tmp_path / "main.csp", tmp_path / "run.csv"
     program.write_text(PROGRAM)
