@@ -195,10 +195,8 @@ def test_a_value_between_samples_is_named(tmp_path: Path, capsys: pytest.Capture
     )
     table.write_text("time,slow\n0.001,1\n0.007,7\n0.008,8\n0.014,8\n")
     assert main(["run", str(program), "--inputs", str(table)]) != 0
-    assert (
-        "has a value at 1 ms for the input `slow` (main.csp:2), which has a sample every 7 ms, not then"
-        in capsys.readouterr().err
-    )
+    expected = f"has a value at 1 ms for the input `slow` ({program}:2), which has a sample every 7 ms, not then"
+    assert expected in capsys.readouterr().err
 
 
 def test_a_missing_sample_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
