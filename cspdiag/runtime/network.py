@@ -38,6 +38,13 @@ class Network:
         """The present instant in nanoseconds, or that of the last run; another thread may read it."""
         return 0 if self._scheduler is None else self._scheduler.now
 
+    @property
+    def over(self) -> bool:
+        """Whether the last run has simulated all that it will; it may still report a deadlock and release outputs.
+        Another thread may read it.
+        """
+        return self._scheduler is not None and self._scheduler.over
+
     def run(
         self,
         environment: Environment | None = None,

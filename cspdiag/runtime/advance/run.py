@@ -261,7 +261,12 @@ class NetworkRun:
         return reached
 
     def _deadlocked(self) -> Outcome:
-        return Outcome("deadlock", self._scheduler.now, deadlock=report_deadlock(self._root, self._scheduler.now))
+        return self._deadlocked_since(self._scheduler.now)
+
+    def _deadlocked_since(self, instant: int) -> Outcome:
+        # The report takes seconds if hundreds of processes wait.
+        self._scheduler.over = True
+        return Outcome("deadlock", self._scheduler.now, deadlock=report_deadlock(self._root, instant))
 
     def _ended_by_itself(self) -> Outcome:
         if self._root_error is None:

@@ -132,16 +132,6 @@ def whereabouts(thread: int, *, only_processes: bool = False) -> str:
     return f"{shown}, at {by_hand}" if shown and by_hand else shown or by_hand
 
 
-def is_in_runtime(thread: int) -> bool:
-    """Whether a thread runs a program: a function of the runtime is called, or calls something."""
-    frame = sys._current_frames().get(thread)
-    while frame is not None:
-        if is_of_runtime(frame):
-            return True
-        frame = frame.f_back
-    return False
-
-
 def _place_around(frame: FrameType) -> str | None:
     """The place at which a frame is. Within a loop it is most often at the head of the loop, not at what precedes the
     loop.

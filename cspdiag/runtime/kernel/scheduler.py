@@ -181,6 +181,7 @@ class Scheduler:
         "enqueue",
         "now",
         "observe",
+        "over",
         "policy",
         "port_logs",
         "push",
@@ -195,6 +196,8 @@ class Scheduler:
 
     def __init__(self, policy: Policy | None = None) -> None:
         self.now = 0
+        self.over = False
+        """Whether the program has ended or is in a deadlock; it is reported, and outputs are released, after that."""
         self.queue: list[Any] = []
         """The queue of the highest level; always the same list."""
         self._entered: list[Token[Scheduler]] = []
@@ -235,6 +238,7 @@ class Scheduler:
 
     def end(self) -> None:
         """The run is over: channels that are used again look up the present run."""
+        self.over = True
         self.observe = self.watcher = None
         self.current = nobody
         self.careful = True

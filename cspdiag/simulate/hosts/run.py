@@ -10,7 +10,6 @@ from cspdiag.runtime.advance.run import NetworkRun
 from cspdiag.runtime.channels.broadcast import Broadcast, BroadcastEnd
 from cspdiag.runtime.channels.channel import Channel
 from cspdiag.runtime.channels.converting import Converting
-from cspdiag.runtime.deadlock.partners import report_deadlock
 from cspdiag.runtime.kernel.clock import Clock
 from cspdiag.runtime.kernel.durations import END_OF_TIME
 from cspdiag.runtime.kernel.exceptions import PartnerLost, RunFailed, described
@@ -283,8 +282,7 @@ class DividedRun(NetworkRun):
         if not (self._clock.real and self._division.others):
             return super()._deadlocked()
         # The clock has gone on since then, but nothing else.
-        report = report_deadlock(self._root, self._exchange.standstill.instant)
-        return Outcome("deadlock", self._scheduler.now, deadlock=report)
+        return self._deadlocked_since(self._exchange.standstill.instant)
 
     def _can_receive(self) -> bool:
         """Whether something else than a new message of another place can have an effect here or there."""

@@ -66,6 +66,11 @@ class NativeRun:
         """The latest known instant in nanoseconds."""
         return max(self.reader.now, self.monitor.now)
 
+    @property
+    def over(self) -> bool:
+        """Whether the program has reported how it ended."""
+        return self.reader.end is not None
+
     def running_processes(self) -> list[str]:
         """The processes that were found running since the present instant began, each with its place."""
         return self.monitor.running_processes

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import threading
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from cspdiag.base.standard_streams import standard_error
 from cspdiag.cli.support.terminal import put
 from cspdiag.network.checks.endless import never_ends
 from cspdiag.network.ir.network import Network
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
+
+if TYPE_CHECKING:
+    from cspdiag.cli.support.runs.standstill import RunningNetwork
 
 PATIENCE = 1.0
 """Seconds within which a run that deadlocks or fails has usually ended."""
@@ -24,11 +28,13 @@ class EndlessRun:
         self._name = network.class_named(network.top).definition
         self._patience = PATIENCE if patience is None else patience
         self._is_endless = bool(network.environments) and never_ends(network)
+        self._running: RunningNetwork | None = None
         self._ended = threading.Event()
         self.thread = threading.Thread(target=self._wait, name="endless run", daemon=True)
 
-    def attach(self, _running: object = None) -> None:
-        """The program runs from now on."""
+    def attach(self, running: RunningNetwork | None = None) -> None:
+        """The program runs from now on; without ``running`` it is over when the context is left."""
+        self._running = running
         if self._is_endless:
             with left_to_the_main_thread():
                 self.thread.start()
@@ -44,7 +50,7 @@ class EndlessRun:
             self.thread.join()
 
     def _wait(self) -> None:
-        if not self._ended.wait(self._patience):
+        if not self._ended.wait(self._patience) and (self._running is None or not self._running.over):
             # A line of progress may be there.
             clear = "\r\x1b[K" if standard_error().isatty() else ""
             ends = "Ctrl-C ends the run, --for 20s would end it at 20 s"

@@ -10,38 +10,41 @@ from typing import TYPE_CHECKING, Protocol
 
 from cspdiag.base.standard_streams import standard_error
 from cspdiag.cli.support.terminal import put
-from cspdiag.runtime.kernel.places import is_in_runtime, whereabouts
+from cspdiag.runtime.kernel.places import whereabouts
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 
 if TYPE_CHECKING:
-    from cspdiag.cli.support.runs.progress import Running
     from cspdiag.simulate.record.recorder import Recorder
 
 
-class ObservedProgram(Protocol):
-    """A running program that knows which of its processes are running."""
+class RunningNetwork(Protocol):
+    """A network that runs in a thread of this process."""
 
     @property
     def now(self) -> int:
         """The present instant in nanoseconds."""
         ...
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing is simulated any more; how the run ended may still be computed."""
+        ...
+
+
+class ObservedProgram(RunningNetwork, Protocol):
+    """A running program that knows which of its processes are running."""
 
     def running_processes(self) -> list[str]:
         """Processes that were found running, each with its place."""
         ...
 
 
-class RunningPlace(Protocol):
+class RunningPlace(RunningNetwork, Protocol):
     """The network of a place that runs; see ``DividedNetwork``."""
 
     @property
     def awaited(self) -> str:
         """The other place that it waits for; "" for none."""
-        ...
-
-    @property
-    def now(self) -> int:
-        """The present instant in nanoseconds."""
         ...
 
 
@@ -57,7 +60,7 @@ _MOST_NAMES = 4
 class ProgramInThread:
     """A network that runs in the thread that creates this object."""
 
-    def __init__(self, network: Running) -> None:
+    def __init__(self, network: RunningNetwork) -> None:
         self._network = network
         self._scheduler = threading.get_ident()
 
@@ -67,9 +70,9 @@ class ProgramInThread:
         return self._network.now
 
     @property
-    def is_reporting(self) -> bool:
-        """Whether the run has ended, and only why it ended is still being found out."""
-        return not is_in_runtime(self._scheduler)
+    def over(self) -> bool:
+        """Whether nothing is simulated any more; how the run ended may still be computed."""
+        return self._network.over
 
     def running_processes(self) -> list[str]:
         """Processes that are found running during a tenth of a second, each with its line."""
@@ -91,11 +94,6 @@ class ProgramInPlace(ProgramInThread):
         self._place = network
 
     @property
-    def is_reporting(self) -> bool:
-        """Never known: what waits for another place is not in the runtime."""
-        return False
-
-    @property
     def awaited(self) -> str:
         """The other place that it waits for; "" for none."""
         return self._place.awaited
@@ -106,7 +104,7 @@ class Standstill:
 
     Used as a context manager around the run; ``attach`` must be called when the network exists. ``top`` is the
     outermost process, and ``fmus`` are the files of the FMUs that the environment has. Reports once if the instant is
-    the same in two observations, ``patience`` seconds apart (``PATIENCE`` unless given).
+    the same in two observations, ``patience`` seconds apart (``PATIENCE`` unless given), and the run is not over.
     """
 
     def __init__(
@@ -141,13 +139,14 @@ class Standstill:
         before = self._network.now
         while not self._ended.wait(self._patience):
             now = self._network.now
-            has_ended = isinstance(self._network, ProgramInThread) and self._network.is_reporting
-            if now == before and not has_ended:
+            if now == before:
                 # A line of progress may be there.
                 clear = "\r\x1b[K" if standard_error().isatty() else ""
                 places = self._network.running_processes()[:_MOST_PLACES]
                 awaited = self._network.awaited if isinstance(self._network, ProgramInPlace) else ""
-                put(f"{clear}{self.line(now, places, awaited)}\n")
+                # Asked last: the run may have ended while processes were looked for.
+                if not self._network.over:
+                    put(f"{clear}{self.line(now, places, awaited)}\n")
                 return
             before = now
 

@@ -12,7 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.support.runs.standstill import ProgramInPlace, ProgramInThread, Standstill
+from cspdiag.cli.main import main
+from cspdiag.cli.support.runs.standstill import ObservedProgram, ProgramInPlace, Standstill
+from cspdiag.runtime.deadlock.partners import report_deadlock
+from cspdiag.runtime.deadlock.reports import DeadlockReport
+from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.simulate.hosts.links import PATIENCE
 from cspdiag.simulate.hosts.run import DividedNetwork
 from cspdiag.simulate.record.recorder import Recorder
@@ -21,8 +25,9 @@ from cspdiag.simulate.record.recorder import Recorder
 class _Clock:
     """Stays at one instant, or advances by a nanosecond at each check; signals when it was checked that often."""
 
-    def __init__(self, step: int, checks: int, awaited: str = "") -> None:
+    def __init__(self, step: int, checks: int, awaited: str = "", *, over: bool = False) -> None:
         self.step = step
+        self.over = over
         self.awaited = awaited
         self.left = checks
         self.seen = threading.Event()
@@ -96,21 +101,52 @@ def test_nothing_is_reported_while_time_advances(capsys: pytest.CaptureFixture[s
     assert capsys.readouterr().err == ""
 
 
-def test_a_run_that_has_ended_does_not_stand_still_while_the_reason_is_found(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """This thread is not in the runtime, as one that describes a deadlock of many processes."""
-    clock = _Clock(step=0, checks=5)
-    with Standstill(_recorder("c"), "Top", patience=0.001) as standstill:
-        standstill.attach(ProgramInThread(clock))
-        assert clock.seen.wait(60)
-    assert capsys.readouterr().err == ""
-
-
 def test_a_run_that_does_not_begin_is_left_alone(capsys: pytest.CaptureFixture[str]) -> None:
     with Standstill(_recorder(), "Top"):
         pass
     assert capsys.readouterr().err == ""
+
+
+def test_nothing_is_reported_of_a_run_that_is_over(capsys: pytest.CaptureFixture[str]) -> None:
+    with Standstill(_recorder("c"), "Top", patience=0.001) as standstill:
+        standstill.attach(_Clock(step=0, checks=2, over=True))
+        standstill.thread.join()
+    assert capsys.readouterr().err == ""
+
+
+STUCK = """process Main {
+  communication { var n : int = 0 }
+  composition { wait 1 ms ; stop }
+}
+environment E for Main {}
+"""
+
+
+@pytest.mark.parametrize("level", ["-O0", "-O1"])
+def test_a_run_is_over_while_its_deadlock_is_reported(
+    level: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    observed = []
+
+    def report(root: Task, time: int) -> DeadlockReport:
+        assert program is not None
+        observed.append(program.over)
+        return report_deadlock(root, time)
+
+    program: ObservedProgram | None = None
+
+    def attach(_: Standstill, running: ObservedProgram) -> None:
+        nonlocal program
+        program = running
+        observed.append(program.over)
+
+    monkeypatch.setattr("cspdiag.runtime.advance.run.report_deadlock", report)
+    monkeypatch.setattr(Standstill, "attach", attach)
+    path = tmp_path / "stuck.csp"
+    path.write_text(STUCK)
+    assert main(["run", level, str(path)]) == 1
+    assert "deadlock at 1 ms" in capsys.readouterr().err
+    assert observed == [False, True]
 
 
 STANDS = """submodel Law { in x : double  out y : double  y = 2 * x }
