@@ -112,6 +112,11 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--item", type=int, action="append", metavar="N", help="only the goals with this number")
     parser.add_argument("--page", action="store_true", help=f"write the table into {PAGE.name}")
     given = parser.parse_args(arguments)
+    items = sorted({goal.item for goal in GOALS})
+    if unknown := sorted(set(given.item or ()) - set(items)):
+        parser.error(f"there is no item {unknown[0]}: there are {items[0]} to {items[-1]}")
+    if given.rounds < 1:
+        parser.error("each has to be measured in at least one round")
     goals = [goal for goal in GOALS if not given.item or goal.item in given.item]
     load = os.getloadavg()[0]
     figures = measured({need for goal in goals for need in (*goal.needs, _ASYNCIO)}, given.rounds)

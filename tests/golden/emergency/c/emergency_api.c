@@ -494,6 +494,9 @@ static void put_seconds(uint32_t counted, uint32_t hertz,
 void emergency_write_times(const emergency_times *times, uint32_t hertz,
     void (*put)(void *context, const char *text), void *context)
 {
+    if (hertz == 0U) {
+        return;
+    }
     put(context, "{\"executionTimes\": {");
 #if CSP_MEASURE
     bool others = false;
@@ -512,7 +515,6 @@ void emergency_write_times(const emergency_times *times, uint32_t hertz,
     put(context, "}\n");
 #else
     (void)times;
-    (void)hertz;
     put(context, "}}\n");
 #endif
 }

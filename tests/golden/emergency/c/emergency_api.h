@@ -237,7 +237,8 @@ const char *emergency_channel_name(uint32_t channel);
 const char *emergency_process_name(uint32_t process);
 
 /* Writes the longest times, part by part, as JSON for `cspdiag verify --timing --wcet-from`, if
- * sources are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter.
+ * sources are compiled with -DCSP_MEASURE=1; `hertz` is the frequency of the counter. Nothing is
+ * written for a frequency of 0.
  */
 void emergency_write_times(const emergency_times *times, uint32_t hertz,
     void (*put)(void *context, const char *text), void *context);
