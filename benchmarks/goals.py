@@ -109,12 +109,12 @@ def main(arguments: list[str]) -> int:
     """Measure, print the table, and write it into the page if asked to; returns 0."""
     parser = argparse.ArgumentParser(prog="python benchmarks/goals.py", description=__doc__)
     parser.add_argument("--rounds", type=int, default=5, metavar="N", help="how often each is measured (default: 5)")
-    parser.add_argument("--item", type=int, action="append", metavar="N", help="only the goals with this number")
+    items = sorted({goal.item for goal in GOALS})
+    parser.add_argument(
+        "--item", type=int, action="append", choices=items, metavar="N", help="only the goals with this number"
+    )
     parser.add_argument("--page", action="store_true", help=f"write the table into {PAGE.name}")
     given = parser.parse_args(arguments)
-    items = sorted({goal.item for goal in GOALS})
-    if unknown := sorted(set(given.item or ()) - set(items)):
-        parser.error(f"there is no item {unknown[0]}: there are {items[0]} to {items[-1]}")
     if given.rounds < 1:
         parser.error("each has to be measured in at least one round")
     goals = [goal for goal in GOALS if not given.item or goal.item in given.item]

@@ -24,11 +24,13 @@ def test_garbage_of_others_is_not_counted() -> None:
     counts = []
     seldom = gc.get_threshold()
     gc.set_threshold(1_000)
-    for garbage in (0, 100):  # few, so that none is collected while it is made
-        for count in (calls, lines):
-            gc.collect()
-            left = [Left() for _ in range(garbage)]
-            left.clear()
-            counts.append(count(work))
-    gc.set_threshold(*seldom)
+    try:
+        for garbage in (0, 100):  # few, so that none is collected while it is made
+            for count in (calls, lines):
+                gc.collect()
+                left = [Left() for _ in range(garbage)]
+                left.clear()
+                counts.append(count(work))
+    finally:
+        gc.set_threshold(*seldom)
     assert counts[:2] == counts[2:]

@@ -20,7 +20,6 @@ from cspdiag.base.errors import CspdiagError
 from cspdiag.base.files.caches import cache_folder
 from cspdiag.base.parent import RunningCommands
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.by_hand import FILE as TYPES_BY_HAND
 from cspdiag.codegen.c.package.includes import with_headers
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")
@@ -215,6 +214,8 @@ class Build:
         places = {path: self.cache / "objects" / f"{digest}.o" for path, digest in digests.items()}
         missing = [path for path, place in places.items() if not _touched(place)]
         if missing:
+            from cspdiag.codegen.c.laws.by_hand import FILE as TYPES_BY_HAND
+
             missing.sort(key=lambda path: not path.endswith(TYPES_BY_HAND))  # The first that fails is reported.
             with _Scratch(self.cache) as scratch:
                 _write(scratch, self.files)
