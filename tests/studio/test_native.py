@@ -229,6 +229,7 @@ def test_a_native_program_that_crashes_ends_its_session(talk: Talk) -> None:
     assert ended["reason"] == "fault"
     assert "the native program has failed: it was ended by SIG" in ended["text"]
     assert "a crash such as that of a body in C" in ended["text"]
+    assert "a crash in Crash.law (" in ended["text"]
 
 
 def test_a_law_in_c_that_does_not_compile_is_not_to_be_run_in_python(talk: Talk) -> None:

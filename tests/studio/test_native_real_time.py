@@ -167,6 +167,7 @@ def test_a_crash_ends_it_in_words(talk: Talk) -> None:
     assert ended["reason"] == "fault"
     assert "Error" not in ended["text"]
     assert "the native program has failed: it was ended by SIGABRT, a crash" in ended["text"]
+    assert "a crash in Crash.law (" in ended["text"]
 
 
 @pytest.mark.parametrize("real_time", [True, False])

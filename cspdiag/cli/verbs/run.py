@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError, require_package
-from cspdiag.cli.support.files.written import file_path, require_different, require_file
+from cspdiag.cli.support.files.written import file_path, require_different, require_file, say_earlier
 from cspdiag.cli.support.numbers import add_real, add_settings
 from cspdiag.cli.support.runs.given_inputs import given_inputs, limited
 from cspdiag.cli.support.runs.recorded import opened_recording, recording_path, require_recording, socket_place
@@ -34,6 +34,7 @@ _ENDINGS = {
     "plot": (".svg", ".png", ".pdf"),
     "json": (".json",),
 }
+_OUTPUTS = ("record", *_ENDINGS, "draw-deadlock")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -128,10 +129,9 @@ def run(arguments: Namespace) -> int:
     for option, endings in _ENDINGS.items():
         require_file(f"--{option}", getattr(arguments, option), endings)
     require_recording(arguments.record)
-    outputs = ("record", *_ENDINGS, "draw-deadlock")
     if arguments.inputs is not None:
         require_different({"--inputs": arguments.inputs, "--record": arguments.record})
-    named = {f"--{option}": getattr(arguments, option.replace("-", "_")) for option in outputs}
+    named = {f"--{option}": getattr(arguments, option.replace("-", "_")) for option in _OUTPUTS}
     require_different({"the program": arguments.file, **named})
     if arguments.plot is not None:
         require_package("--plot", "matplotlib", "plot")
@@ -246,6 +246,9 @@ def _recorded(arguments: Namespace, built: Built, until: int | None) -> tuple[Ru
             if recording is not None and recording.break_off():
                 say(f"cspdiag: {part_of(arguments.record)} has what was recorded until then")
             raise
+    except NoResultError:
+        say_earlier(getattr(arguments, option.replace("-", "_")) for option in _OUTPUTS)
+        raise
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
 

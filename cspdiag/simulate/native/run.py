@@ -322,12 +322,13 @@ def _run(
             running.kill()
             raise
         errors.seek(0)
-        text = errors.read().decode("utf-8", "replace")
+        written = errors.read()
     outcome = _outcome(run, supervisor, program.environment, program.network)
     if outcome is None:
-        raise CompilerError(f"the native program has failed: {text.strip() or how_it_ended(running.returncode)}")
+        raise CompilerError(f"the native program has failed: {how_it_ended(running.returncode, written)}")
     if program.board is None:
-        standard_error().write(text)  # Of bodies in C: the program itself writes nothing.
+        # Of bodies in C: the program itself writes nothing.
+        standard_error().write(written.decode("utf-8", "replace"))
     else:
         outcome.wall_time = monitor.wall_time
     outcome.real_time = program.real_time

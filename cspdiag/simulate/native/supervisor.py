@@ -15,6 +15,13 @@ from cspdiag.runtime.kernel.stopping import stopping
 PATIENCE = 2.0
 """The seconds within which a native program must end after a signal has arrived or it has reported its end."""
 _POLL_INTERVAL = 0.05
+_LONGEST = 2000
+"""Bytes of what a program has written that are repeated: the last ones, as its kernel says at the end what crashed."""
+_CRASHES = (
+    signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGABRT, signal.SIGTRAP, signal.SIGSYS,
+)  # fmt: skip
+_EXIT = "exit was called"
+"""How the line begins that the kernel writes then (``csp_signals.c``)."""
 
 
 class KilledError(OutsideError, CspdiagError):
@@ -66,11 +73,17 @@ class Supervisor:
                 return
 
 
-def how_it_ended(code: int) -> str:
-    """What the exit code of a process says, in words: a signal, also one after which it has still released outputs."""
+def how_it_ended(code: int, written: bytes) -> str:
+    """Why a native program ended without a report, from its exit code and what it has ``written`` for people: a signal,
+    also one after which it has still released its outputs, or what it gave as the reason.
+    """
+    text = written[-_LONGEST:].decode("utf-8", "replace").strip()
     number = -code if code < 0 else code - 128
-    if number not in signal.valid_signals():
-        return f"exit code {code} before the end of the run, as if a body in C or an FMU had called exit"
-    name = signal.Signals(number).name
-    crashes = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGABRT)
-    return f"it was ended by {name}{', a crash such as that of a body in C or an FMU' if number in crashes else ''}"
+    if number in signal.valid_signals():
+        crash = ", a crash such as that of a body in C or an FMU" if number in _CRASHES else ""
+        how = f"it was ended by {name_of_signal(number)}{crash}"
+    elif not text or any(line.startswith(_EXIT) for line in text.splitlines()):
+        how = f"exit code {code} before the end of the run, as if a body in C or an FMU had called exit"
+    else:
+        return text
+    return "\n  ".join([how, *text.splitlines()])

@@ -34,8 +34,6 @@ _INTERVAL = 0.005
 """Seconds between two questions whether to pause."""
 _AT_ONCE = 1 << 21
 """The most bytes of rows that are kept before a run is paused, so that they can be looked at."""
-_LONGEST = 2000
-"""Bytes of what a program that has crashed has written for people."""
 _PATIENCE_TO_PAUSE = 0.1
 """Seconds in which the program pauses, unless one of its steps takes longer."""
 _PATIENCE_TO_END = 1.9
@@ -202,14 +200,17 @@ class SteeredProcess:
         if end is not None:
             self.outcome = reported_outcome(self._reader, end, program.environment, program.network)
         else:
-            error = self._forced() if is_wanted else ProgramGoneError(f"the native program has failed: {self._why()}")
+            error = ProgramGoneError(self._why_forced() if is_wanted else self._why())
             self.outcome = Outcome("stopped" if is_wanted else "failed", self.now, None if is_wanted else error)
             if is_wanted:
                 self.outcome.release_errors.append(error)
         self.outcome.real_time = program.real_time
         self.lateness = b"\n".join(_LATENESS.findall(self._written())).decode()
 
-    def _forced(self) -> ProgramGoneError:
+    def _why(self) -> str:
+        return f"the native program has failed: {how_it_ended(self._process.returncode, self._written())}"
+
+    def _why_forced(self) -> str:
         """Why a program was ended by force, and what that means for its outputs."""
         working = " and ".join(self._monitor.running_processes) or "the native program"
         code = self._process.returncode
@@ -219,12 +220,8 @@ class SteeredProcess:
             text = f"{working} did not end within {_PATIENCE_TO_END:g} s, nor did what releases the outputs"
             text = f"{text}: the native program was killed, and outputs may be as they were"
         else:
-            text = f"the native program has failed: {self._why()}"
-        return ProgramGoneError(text)
-
-    def _why(self) -> str:
-        text = self._written()[:_LONGEST].decode("utf-8", "replace").strip()
-        return text or how_it_ended(self._process.returncode)
+            text = self._why()
+        return text
 
     def _written(self) -> bytes:
         """What it has written for people."""

@@ -192,6 +192,9 @@ void csp_describe_present(csp_kernel *csp, char *text, size_t size);
 void csp_describe_at_work(csp_kernel *csp, char *text, size_t size);
 /* The same for a fault handler, also after the outputs have been released. */
 void csp_describe_current(csp_kernel *csp, char *text, size_t size);
+/* What a signal handler or `exit` has interrupted, for the thread of the run: "the device function of Machine.level", a process as above, or "the
+ * environment"; "": nothing runs. */
+void csp_describe_interrupted(csp_kernel *csp, char *text, size_t size);
 /* The ports with missed samples, and how many: "level 3, speed 1"; "none". */
 void csp_describe_missed(csp_kernel *csp, char *text, size_t size);
 void csp_describe_error(csp_kernel *csp, char *text, size_t size);

@@ -218,6 +218,24 @@ void csp_describe_current(csp_kernel *csp, char *text, size_t size)
     append_whereabouts(csp, place, text, size);
 }
 
+void csp_describe_interrupted(csp_kernel *csp, char *text, size_t size)
+{
+    const csp_calls calls = csp_calls_now(csp);
+    text[0] = '\0';
+    if (!calls.driving) {
+        /* There is nothing to describe. */
+    } else if (calls.port != NULL) {
+        csp_append(text, size, calls.releases ? "the safe value of " : "the device function of ");
+        append_channel(csp, calls.port->number, text, size);
+    } else if (present_process(csp) != NULL) {
+        csp_describe_current(csp, text, size);
+    } else if (csp->program->environment != NULL) {
+        csp_append(text, size, "the environment");
+    } else {
+        /* It happened between two steps. */
+    }
+}
+
 /* The state is read while it may change, so a process is described by what changes least. */
 void csp_describe_present(csp_kernel *csp, char *text, size_t size)
 {

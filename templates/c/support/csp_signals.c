@@ -17,9 +17,10 @@
 
 #include "csp_internal.h"
 #include "csp_shared.h"
+#include "csp_text.h"
 #include "csp_watch.h"
 
-enum { STACK = 65536, SIGNALS = 128 /* more than exist */ };
+enum { STACK = 65536, SIGNALS = 128 /* more than exist */, TEXT = 512 };
 
 /* Signals that do not end a process, or that cannot be handled. */
 static const int harmless[] = {SIGCHLD, SIGCONT, SIGURG, SIGTSTP, SIGTTIN, SIGTTOU, SIGSTOP, SIGKILL,
@@ -135,11 +136,32 @@ static void release(void)
     csp_release_outputs(csp_owned());
 }
 
+/* Says what ends the process, and where. Where memory is damaged this may crash, too: the next handler continues with the release. */
+static void say_what_ends(const char *what)
+{
+    static volatile bool said;
+    char where[TEXT] = "another thread";
+    char line[TEXT + 64] = "";
+    if (said || !csp_is_driving(csp_owned())) {
+        return;
+    }
+    said = true;
+    if (in_owner()) {
+        csp_describe_interrupted(csp_owned(), where, sizeof where);
+    }
+    csp_append(line, sizeof line, what);
+    csp_append(line, sizeof line, (where[0] == '\0') ? "" : " in ");
+    csp_append(line, sizeof line, where);
+    csp_append(line, sizeof line, ": the outputs are released\n");
+    csp_watch_say(line);
+}
+
 /* Registered again before the release, for the case that a device function calls exit: each exit removes a function from the list and continues after it. */
 static void at_exit(void)
 {
     if (csp_is_driving(csp_owned())) {
         (void)atexit(at_exit);
+        say_what_ends("exit was called");
         release();
         csp_watch_attend(true);
     }
@@ -150,6 +172,7 @@ static void crash(int number)
     if (CSP_LOAD(first) == 0U) {
         CSP_STORE(first, (uint32_t)number);
     }
+    say_what_ends("a crash");
     release();
     csp_watch_attend(true);
     csp_signals_handle(number, SIG_DFL, 0);

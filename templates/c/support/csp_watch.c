@@ -37,6 +37,15 @@ void csp_watch_wait_for_check(void)
     (void)nanosleep(&interval, NULL);
 }
 
+void csp_watch_say(const char *text)
+{
+    struct pollfd errors = {STDERR_FILENO, POLLOUT, 0};
+    if ((poll(&errors, 1, 0) == 1) && (errors.revents == POLLOUT)) {
+        const ssize_t written = write(STDERR_FILENO, text, strlen(text));
+        (void)written;
+    }
+}
+
 void csp_watch_attend(bool last)
 {
     void (*const attend)(bool) = CSP_LOAD(attendant);
@@ -102,10 +111,8 @@ static void report_what_hangs(void)
     char text[TEXT] = "";
     char line[TEXT + 64] = "";
     csp_describe_present(csp_owned(), text, sizeof text);
-    const int length =
-        snprintf(line, sizeof line, "%s for %u s: the outputs are released\n", text, (unsigned)CSP_PATIENCE);
-    const ssize_t written = write(STDERR_FILENO, line, (size_t)length);
-    (void)written;
+    (void)snprintf(line, sizeof line, "%s for %u s: the outputs are released\n", text, (unsigned)CSP_PATIENCE);
+    csp_watch_say(line);
 }
 
 /* A processor may store the two halves separately. Then they may belong to two instants, but are not the same wrong value twice. */

@@ -16,6 +16,8 @@ void csp_watch_forget(void);
 bool csp_watch_runs(void);
 void csp_watch_lifeline(int descriptor);
 void csp_watch_wait_for_check(void);
+/* Writes a text to standard error if that is possible at once: outputs must not wait for a reader. Signal handlers may call it. */
+void csp_watch_say(const char *text);
 /* Calls the function of csp_signals_attend. */
 void csp_watch_attend(bool last);
 

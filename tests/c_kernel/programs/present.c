@@ -31,6 +31,8 @@ static void show(csp_kernel *csp, csp_party *party)
     (void)printf("at work: %s\n", text);
     csp_describe_present(csp, text, sizeof text);
     (void)printf("%s\n", text);
+    csp_describe_interrupted(csp, text, sizeof text);
+    (void)printf("interrupted: %s\n", text);
 }
 
 int main(void)

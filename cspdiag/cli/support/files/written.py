@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from argparse import ArgumentTypeError
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.sources import STANDARD_INPUT
 from cspdiag.cli.support.failure import UsageError, described
+from cspdiag.cli.support.terminal import say
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -62,6 +64,13 @@ def require_different(named: Mapping[str, str | Path | None]) -> None:
         other = known.setdefault(os.path.realpath(path), option)
         if other != option:
             raise UsageError(f"{other} and {option} name one file: {path}")
+
+
+def say_earlier(paths: Iterable[str | Path | None]) -> None:
+    """Say which of the files that a command has not written are there all the same: those of an earlier one."""
+    earlier = [on_one_line(path) for path in paths if path is not None and os.path.isfile(path)]
+    if earlier:
+        say(f"cspdiag: {' and '.join(earlier)} {'are' if len(earlier) > 1 else 'is'} of an earlier run")
 
 
 def _is_no_file(path: str | Path) -> bool:
