@@ -107,6 +107,7 @@ def test_a_device_slower_than_its_period_misses_samples(package: Path) -> None:
     "trouble",
     [
         *("fault", "undefined instruction", "unexpected interrupt", "fault in an interrupt", "fault in a safe value"),
+        "fault in an interrupt and safe value is large",
         *("interrupt without a handler", "read overflows", "read overflows and safe value overflows"),
     ],
 )
@@ -137,6 +138,7 @@ def test_an_end_of_the_library_releases_the_outputs(package: Path, trouble: str,
     [
         *(("fault", 1), ("fault in an interrupt", 1), ("fault in a safe value", 1), ("unexpected interrupt", 1)),
         *(("interrupt without a handler", 1), ("read exits", 0), ("exit in an interrupt", 0), ("read aborts", 1)),
+        ("fault in an interrupt and safe value is large", 1),
     ],
 )
 def test_the_outputs_are_released_on_a_smaller_processor_too(of_cortex_m0: Path, trouble: str, status: int) -> None:

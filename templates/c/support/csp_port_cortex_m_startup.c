@@ -33,7 +33,7 @@ extern uint32_t csp_stack_guard[] __attribute__((weak)); /* the beginning of the
 
 enum { REGIONS = 0xFF00, PROTECTS = 1, OTHERWISE_AS_USUAL = 4, NO_ACCESS = 1 << 28, OF_64_KIB = 15 << 1, IN_FORCE = 1 };
 
-enum { FLOATING_POINT = 0xF << 20, KEEPS_CONTEXT = 1, INTERRUPT_WORDS = 8, OF_HANDLER = 0x1FF };
+enum { FLOATING_POINT = 0xF << 20, KEEPS_CONTEXT = 1, OF_HANDLER = 0x1FF };
 
 enum { TO_THREAD_FROM_ANY_LEVEL = 1, SEMIHOSTING_CALL = 0xBEAB, FRAME = 8, AT_PC = 6, AT_STATE = 7, THUMB = 1 << 24 };
 
@@ -47,6 +47,8 @@ enum { FAULT_STACK = 32 /* words of 64 bits */, GUARDED = 64 * 1024 /* bytes bel
 #else
 #define HAS_ARMV7 1
 #endif
+
+enum { INTERRUPT_WORDS = (HAS_ARMV7 != 0) ? 8 : 1 }; /* of 32 interrupts each */
 
 int main(void);
 void csp_reset(void);
@@ -114,6 +116,21 @@ static void after_exit(void)
     csp_port_exit(successful);
 }
 
+/* Goes to a function, or returns from the exception, with another stack. */
+__attribute__((noreturn)) static void go_to(uint32_t address, const uint32_t *stack)
+{
+    __asm__ volatile("dsb\n\t"
+                     "msr control, %2\n\t" /* privileged */
+                     "isb\n\t"
+                     "cpsie i\n\t"
+                     "msr msp, %0\n\t"
+                     "bx %1"
+                     :
+                     : "r"(stack), "r"(address), "r"(0U)
+                     : "memory");
+    __builtin_unreachable();
+}
+
 /* Discards everything that was running: the stack is reset, because it may be corrupt. Interrupts of devices are disabled, because one without
  * a handler would recur forever. The timer interrupt stays enabled. */
 __attribute__((noreturn)) static void restart_with(void (*function)(void))
@@ -131,17 +148,7 @@ __attribute__((noreturn)) static void restart_with(void (*function)(void))
     FLOATING_POINT_CONTEXT &= ~(uint32_t)KEEPS_CONTEXT; /* it would be saved on the old stack */
     __asm__ volatile("msr basepri, %0" : : "r"(0U) : "memory");
 #endif
-    __asm__ volatile("dsb\n\t"
-                     "msr control, %2\n\t" /* privileged */
-                     "isb\n\t"
-                     "cpsie i\n\t"
-                     "msr msp, %0\n\t"
-                     "bx %1"
-                     :
-                     : "r"(frame), "r"(UINT32_C(0xFFFFFFF9)), /* to thread mode, with this stack */
-                       "r"(0U)
-                     : "memory");
-    __builtin_unreachable();
+    go_to(UINT32_C(0xFFFFFFF9), frame); /* to thread mode, with this stack */
 }
 
 /* Leaves the interrupt handler first, because device functions could not wait for the clock in it. */
@@ -228,7 +235,8 @@ void csp_fault_entry(uint32_t *frame)
         faulted_at = frame[AT_PC];
     }
     if ((HAS_ARMV7 == 0) && ((frame[AT_STATE] & (uint32_t)OF_HANDLER) != 0U)) {
-        after_fault(); /* in this handler: that of the interrupt would have to return first */
+        /* In this handler, because that of the interrupt would have to return first, with all of the stack, because device functions need it. */
+        go_to((uint32_t)(uintptr_t)after_fault, csp_stack_end);
     }
     restart_with(after_fault);
 }

@@ -75,7 +75,7 @@ static void on_timer(void)
 {
     TIMER_CLEAR = 1U;
     TIMER_CONTROL = 0U;
-    if (is("fault in an interrupt")) {
+    if (has("fault in an interrupt")) {
         fault();
     } else if (is("exit in an interrupt")) {
         exit(0);
@@ -141,6 +141,15 @@ static bool read_level(void *device, void *value)
     return true;
 }
 
+/* Needs as much of the stack as an output may. */
+static void write_large(void)
+{
+    volatile char frame[2048];
+    for (size_t at = 0U; at < sizeof frame; at++) {
+        frame[at] = (char)-1;
+    }
+}
+
 static void write_drive(void *device, const void *value)
 {
     (void)device;
@@ -148,6 +157,8 @@ static void write_drive(void *device, const void *value)
         write_text("released drive\n");
         if (is("fault in a safe value")) {
             fault();
+        } else if (has("safe value is large")) {
+            write_large();
         } else if (has("safe value overflows")) {
             say("deep ", overflow(0));
         } else if (has("safe value hangs")) {
