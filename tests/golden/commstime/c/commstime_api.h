@@ -154,7 +154,8 @@ void commstime_hand_over(commstime_instance *self, int64_t instant);
 void commstime_finish(commstime_instance *self);
 
 /* Hands over safe values now, and nothing after them: for fault handlers. If they return, the next
- * commstime_advance ends the run: it answers COMMSTIME_STOPPED. */
+ * commstime_advance to an instant that is not past ends the run: it answers
+ * COMMSTIME_STOPPED. */
 void commstime_release(commstime_instance *self);
 
 /* Makes the run end at its next step. May be called from anywhere. */

@@ -203,7 +203,8 @@ void emergency_hand_over(emergency_instance *self, int64_t instant);
 void emergency_finish(emergency_instance *self);
 
 /* Hands over safe values now, and nothing after them: for fault handlers. If they return, the next
- * emergency_advance ends the run: it answers EMERGENCY_STOPPED. */
+ * emergency_advance to an instant that is not past ends the run: it answers
+ * EMERGENCY_STOPPED. */
 void emergency_release(emergency_instance *self);
 
 /* Makes the run end at its next step. May be called from anywhere. */

@@ -242,7 +242,8 @@ void jiwy_hand_over(jiwy_instance *self, int64_t instant);
 void jiwy_finish(jiwy_instance *self);
 
 /* Hands over safe values now, and nothing after them: for fault handlers. If they return, the next
- * jiwy_advance ends the run: it answers JIWY_STOPPED. */
+ * jiwy_advance to an instant that is not past ends the run: it answers
+ * JIWY_STOPPED. */
 void jiwy_release(jiwy_instance *self);
 
 /* Makes the run end at its next step. May be called from anywhere. */
