@@ -10,7 +10,7 @@ from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.files.written import require_folder
+from cspdiag.cli.support.files.written import given_name, require_folder
 from cspdiag.cli.support.numbers import add_real, add_settings
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.codegen import TARGETS, target_errors
@@ -37,7 +37,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
     parser.add_argument(
-        "-o", "--output", metavar="DIR", default="build", help="where the package goes (default: build)"
+        "-o",
+        "--output",
+        type=given_name,
+        metavar="DIR",
+        default="build",
+        help="where the package goes (default: build)",
     )
     parser.add_argument(
         "--target",
@@ -72,6 +77,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed by hand")
     parser.add_argument(
         "--templates",
+        type=given_name,
         metavar="DIR",
         help="use the templates in DIR (docs/targets.md), each instead of the bundled one of that name",
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.files.written import require_file, require_folder
+from cspdiag.cli.support.files.written import given_name, require_file, require_folder
 from cspdiag.cli.support.terminal import say, show_diagnostics, wants_colour, write_out
 from cspdiag.cli.support.versions.compared import Comparison, UnreadableError, all_compared, compared, versions
 
@@ -59,6 +59,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "-o",
         "--output",
+        type=given_name,
         metavar="OUT",
         help=(
             "draw the changed diagrams into a file that ends in .svg, .png or .pdf, or into a folder, a picture for "

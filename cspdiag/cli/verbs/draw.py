@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.sources import STANDARD_INPUT, read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.files.written import require_different, require_file, require_folder
+from cspdiag.cli.support.files.written import given_name, require_different, require_file, require_folder
 from cspdiag.cli.support.numbers import number, whole_number
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.draw import exchange
@@ -41,6 +41,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "-o",
         "--output",
+        type=given_name,
         metavar="OUT",
         help=(
             "a file that ends in .svg, .png, .pdf, .dot, .mmd or .graphml, a folder, or - for standard output "
@@ -71,6 +72,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     what.add_argument(
         "--book",
+        type=given_name,
         metavar="OUT.html",
         help=(
             "one self-contained page: every process with its diagrams, its text and its ports, and links between them"

@@ -11,6 +11,7 @@ from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE
 from cspdiag.cli.support.files.examples import files_of
 from cspdiag.cli.support.files.output import write_new_folders
+from cspdiag.cli.support.files.written import given_name
 from cspdiag.cli.support.terminal import say, write_out
 
 EXAMPLE = "cspdiag examples\ncspdiag examples jiwy && cspdiag run jiwy/jiwy.csp"
@@ -19,7 +20,9 @@ EXAMPLE = "cspdiag examples\ncspdiag examples jiwy && cspdiag run jiwy/jiwy.csp"
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("example", nargs="?", metavar="EXAMPLE", help="copy this one; without it, all are listed")
-    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="where its folder goes (default: here)")
+    parser.add_argument(
+        "-o", "--output", type=given_name, metavar="DIR", default=".", help="where its folder goes (default: here)"
+    )
 
 
 def run(arguments: Namespace) -> int:

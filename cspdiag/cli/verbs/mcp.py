@@ -6,6 +6,7 @@ import os
 from argparse import ArgumentParser, Namespace
 
 from cspdiag.cli.support.failure import FINE, UsageError, needed_packages
+from cspdiag.cli.support.files.written import given_name
 
 EXAMPLE = """cspdiag mcp models       # started by an assistant, which talks to it on standard input and output"""
 
@@ -14,6 +15,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
         "folder",
+        type=given_name,
         metavar="FOLDER",
         nargs="?",
         default=os.curdir,

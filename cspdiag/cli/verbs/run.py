@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError, require_package
-from cspdiag.cli.support.files.written import file_path, require_different, require_file, say_earlier
+from cspdiag.cli.support.files.written import file_path, given_name, require_different, require_file, say_earlier
 from cspdiag.cli.support.numbers import add_real, add_settings
 from cspdiag.cli.support.runs.given_inputs import given_inputs, limited
 from cspdiag.cli.support.runs.recorded import opened_recording, recording_path, require_recording, socket_place
@@ -78,10 +78,13 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="show the external ports to Foxglove and PlotJuggler over a WebSocket (default: 8765, this machine only)",
     )  # fmt: skip
     parser.add_argument(
-        "--inputs", metavar="FILE", help="take the inputs from a recording instead of the environment, to its end"
+        "--inputs",
+        type=given_name,
+        metavar="FILE",
+        help="take the inputs from a recording instead of the environment, to its end",
     )
     parser.add_argument(
-        "--tune", nargs="?", const="-", metavar="FILE",
+        "--tune", type=given_name, nargs="?", const="-", metavar="FILE",
         help="change parameters while the program runs, by lines such as `at 2 s gains.kp = 3`; without FILE from "
         "standard input, in real time as they come",
     )  # fmt: skip

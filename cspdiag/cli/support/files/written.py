@@ -28,6 +28,15 @@ def file_path(text: str) -> Path:
     return Path(text)
 
 
+def given_name(text: str) -> str:
+    """The name of a file or a folder, as the value of an option; raises ArgumentTypeError for the empty one, which is
+    that of a variable that a script has not set, and not the present folder.
+    """
+    if not text:
+        raise ArgumentTypeError("expected the name of a file or a folder, not ''")
+    return text
+
+
 def require_file(option: str, path: str | Path | None, endings: Sequence[str] = (), *, any_case: bool = False) -> None:
     """Refuse a file that could not be written; ``option`` is what named it. An existing file is not changed.
 

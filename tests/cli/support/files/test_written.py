@@ -106,6 +106,33 @@ def test_a_folder_is_not_accepted_as_a_file(
     assert os.listdir() == ["main.csp"]
 
 
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [
+        ("compile", "-o"),
+        ("compile", "--templates"),
+        ("examples ring", "-o"),
+        ("draw", "-o"),
+        ("draw", "--book"),
+        ("diff", "-o"),
+        ("run", "--inputs"),
+        ("run", "--tune"),
+        ("verify --timing", "--wcet-from"),
+        ("mcp", ""),
+    ],
+)
+def test_an_empty_name_is_not_that_of_the_present_folder(
+    cspdiag: Command, program: Path, command: str, option: str
+) -> None:
+    """As of a variable that a script has not set."""
+    given = ["", program] if option and not command.startswith("examples") else [""]
+    result = cspdiag(*command.split(), *([option] if option else []), *given)
+    assert (result.code, result.out) == (2, "")
+    assert "expected the name of a file" in result.err
+    assert "not ''" in result.err
+    assert os.listdir() == ["main.csp"]
+
+
 class _Refusing:
     """The module ``os``, except for opening files."""
 
