@@ -169,7 +169,11 @@ def test_templates_that_produce_invalid_python_write_nothing(
 @pytest.mark.parametrize(
     ("name", "content", "reason"),
     [
-        ("Makefiel.j2", b"", "is not a template of the target c; there are: CMakeLists.txt.j2, Makefile.j2, "),
+        (
+            "Makefiel.j2",
+            b"",
+            "is not a template of the target c; there are: CMakeLists.txt.j2, LICENSE.j2, Makefile.j2, ",
+        ),
         ("support", None, "is not a template of the target c"),
         ("README.md.j2", None, "is a directory"),
         ("README.md.j2", b"caf\xe9", "is not in UTF-8 (byte 3)"),

@@ -133,6 +133,33 @@ def test_manifests_have_what_their_frameworks_require() -> None:
         assert not [path for path in files if "simulation" in path or "posix" in path or "Makefile" in path]
 
 
+def test_a_library_states_the_licence_of_what_was_generated() -> None:
+    text = (MODELS.parent / "LICENSE").read_text()
+    licence = text[text.index("\nZero-Clause BSD License\n") + 1 :]
+    for framework in FRAMEWORKS:
+        made = pipeline.generate(network_of("jiwy/jiwy.csp"), read_source, "c", framework=framework)
+        assert made["LICENSE"] == licence
+        if framework == "platformio":
+            assert json.loads(made["library.json"])["license"] == "0BSD"
+        if framework == "esp-idf":
+            assert '\nlicense: "0BSD"\n' in made["idf_component.yml"]
+
+
+def test_a_library_makes_no_claim_on_laws_in_c(tmp_path: Path) -> None:
+    (tmp_path / "p.csp").write_text(
+        'submodel Law c "law.c" { in x : double }\n'
+        "process P { in x : double @ 1 ms  communication { law : Law  x -> law.x } composition { mu law } }\n"
+    )
+    (tmp_path / "law.c").write_text('#include "law.h"\n')
+    (tmp_path / "law.h").write_text("#pragma once\nstruct law { double x; };\n")
+    network = pipeline.build(read_source(str(tmp_path / "p.csp")), read_source).network
+    assert network is not None
+    for framework in ("platformio", "esp-idf"):
+        made = pipeline.generate(network, read_source, "c", framework=framework)
+        assert "  src/p/law.c\n  src/p/law.h\nThe licence of the others" in made["LICENSE"]
+        assert "license" not in "".join(text for path, text in made.items() if path.startswith(("library", "idf")))
+
+
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="there is no cmake")
 def test_the_usual_package_is_found_by_cmake_once_it_is_installed(tmp_path: Path) -> None:
     package = written(pipeline.generate(network_of("jiwy/jiwy.csp"), read_source, "c", 1), tmp_path / "a package")

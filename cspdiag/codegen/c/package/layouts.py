@@ -29,7 +29,9 @@ OWNERS = ("csp_run.c", "csp_platform.c")
 
 @record
 class Layout:
-    """The templates of the manifests, by path, and whether a library can give options to the compiler."""
+    """The templates of the manifests and the licence, by path, and whether a library can give options to the
+    compiler.
+    """
 
     manifests: Mapping[str, str]
     has_options: bool = True
@@ -41,18 +43,27 @@ LAYOUTS: Mapping[str, Layout] = {
             "zephyr/module.yml": "zephyr_module.yml.j2",
             "zephyr/CMakeLists.txt": "zephyr_CMakeLists.txt.j2",
             "zephyr/Kconfig": "zephyr_Kconfig.j2",
+            "LICENSE": "LICENSE.j2",
         }
     ),
-    "esp-idf": Layout({"CMakeLists.txt": "idf_CMakeLists.txt.j2", "idf_component.yml": "idf_component.yml.j2"}),
-    "platformio": Layout({"library.json": "library.json.j2"}),
-    "arduino": Layout({"library.properties": "library.properties.j2"}, has_options=False),
+    "esp-idf": Layout(
+        {
+            "CMakeLists.txt": "idf_CMakeLists.txt.j2",
+            "idf_component.yml": "idf_component.yml.j2",
+            "LICENSE": "LICENSE.j2",
+        }
+    ),
+    "platformio": Layout({"library.json": "library.json.j2", "LICENSE": "LICENSE.j2"}),
+    "arduino": Layout({"library.properties": "library.properties.j2", "LICENSE": "LICENSE.j2"}, has_options=False),
 }
 """By the name of the framework."""
 
 
 @record
 class Library:
-    """What the templates of manifests are given; ``sources`` are paths in the package."""
+    """What the templates of manifests are given; ``sources`` are paths in the package, and so are those ``by_hand``, of
+    processes and laws in C, whose licence is that of their authors.
+    """
 
     package: str
     top: str
@@ -60,6 +71,7 @@ class Library:
     description: str
     version: str = VERSION
     sources: tuple[str, ...] = ()
+    by_hand: tuple[str, ...] = ()
 
 
 def arranged(
@@ -74,6 +86,7 @@ def arranged(
     library = Library(
         described.package, described.top, described.source, _shortened(described.description),
         sources=tuple(sorted(path for path in texts if path.endswith(".c"))),
+        by_hand=tuple(_moved(path, described.package) for path in kept if path in described.by_hand),
     )  # fmt: skip
     manifests = {path: render(template, library=library) for path, template in layout.manifests.items()}
     return dict(sorted({**texts, **manifests, "README.md": files["README.md"]}.items()))

@@ -257,8 +257,9 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path != _CONFIGURATION})
     files[PARTS] = parts_header(files[PARTS], program)
     files.update({path: first_included(path, text) for path, text in by_hand.items() if path.endswith(".c")})
-    library = Library(project.package, project.top, project.source, one_line(description))
-    return Package(files, by_hand.keys() - devices.keys(), project, library, interface)
+    own = by_hand.keys() - devices.keys()
+    library = Library(project.package, project.top, project.source, one_line(description), by_hand=tuple(sorted(own)))
+    return Package(files, own, project, library, interface)
 
 
 def _simulation(files: Mapping[str, str], program: list[str]) -> list[str]:
