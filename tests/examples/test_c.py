@@ -106,6 +106,12 @@ def test_ros2(examples: Path) -> None:
         "ended by itself",
         "level 0.61, opening 0",
     ]
+    # Ctrl-C: rclcpp's own handler would end communication before the safe values are published.
+    assert run(example / "made" / "tank_node", "interrupt").splitlines() == [
+        "lamp 0 at 510 ms",
+        "stopped",
+        "level 0.61, opening 0",
+    ]
 
 
 @pytest.mark.parametrize(

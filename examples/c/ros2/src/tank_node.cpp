@@ -3,6 +3,7 @@
 // The tank of ../superloop/tank.csp as a node of ROS 2: topics are its ports, and a timer advances it. One
 // single-threaded executor runs all callbacks.
 #include <chrono>
+#include <csignal>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -13,11 +14,22 @@
 
 #include "tank_api.h"
 
+using namespace std::chrono_literals;
+
+// Handlers of rclcpp would end its communication at once, and no safe value would be published.
+static volatile std::sig_atomic_t interrupted = 0;
+
+static void on_signal(int number)
+{
+  interrupted = 1;
+  (void)std::signal(number, SIG_DFL);  // a second one ends the process at once
+}
+
 class TankNode : public rclcpp::Node
 {
 public:
   TankNode()
-  : Node("tank"), clock_(RCL_STEADY_TIME), started_(clock_.now())
+  : Node("tank"), clock_(RCL_STEADY_TIME)
   {
     opening_ = create_publisher<std_msgs::msg::Float64>("opening", 10);
     lamp_ = create_publisher<std_msgs::msg::Bool>("lamp", 10);
@@ -44,13 +56,19 @@ public:
     // All callbacks run in one thread, so there is nothing to lock.
     hooks.lock = [](void *) -> uint32_t {return 0U;};
     hooks.unlock = [](void *, uint32_t) {};
+    // Publishers took time to create. The timer begins with the run, so its calls may be late by nearly a period.
+    started_ = clock_.now();
     const char * reason = nullptr;
     tank_ = tank_begin(&memory_, sizeof memory_, &hooks, &reason);
     if (tank_ == nullptr) {
       throw std::runtime_error(reason);
     }
-    using namespace std::chrono_literals;
-    timer_ = create_wall_timer(10ms, [this] {advance();});
+    timer_ = create_wall_timer(10ms, [this] {
+        if (interrupted != 0) {
+          tank_stop(tank_);
+        }
+        advance();
+      });
   }
 
   ~TankNode() override
@@ -93,6 +111,8 @@ private:
       tank_describe(tank_, text, sizeof text);
       RCLCPP_INFO(get_logger(), "%s", text);
       timer_->cancel();
+        (void)opening_->wait_for_all_acked(1s);  // safe values arrive before there is no publisher
+      (void)lamp_->wait_for_all_acked(1s);
       rclcpp::shutdown();
     }
   }
@@ -112,7 +132,9 @@ private:
 
 int main(int argc, char ** argv)
 {
-  rclcpp::init(argc, argv);
+  rclcpp::init(argc, argv, rclcpp::InitOptions(), rclcpp::SignalHandlerOptions::None);
+  (void)std::signal(SIGINT, on_signal);
+  (void)std::signal(SIGTERM, on_signal);
   rclcpp::spin(std::make_shared<TankNode>());
   rclcpp::shutdown();
   return 0;

@@ -1,12 +1,13 @@
-// What the example uses of rclcpp, as it declares it, on one executor in virtual time. Topics connect the node to a plant; after half a second
-// somebody presses the button.
+// What the example uses of rclcpp, as it declares it, on one executor in virtual time, where creating publishers and
+// subscriptions takes time, and one call of the timer is late. Topics connect the node to a plant; after half a second
+// somebody presses the button, or with the argument `interrupt` Ctrl-C.
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -15,14 +16,15 @@
 #include "std_msgs/msg/bool.hpp"
 #include "std_msgs/msg/float64.hpp"
 
-enum rcl_clock_type_t { RCL_ROS_TIME = 1, RCL_SYSTEM_TIME = 2, RCL_STEADY_TIME = 3 };
+enum rcl_clock_type_t { RCL_CLOCK_UNINITIALIZED = 0, RCL_ROS_TIME, RCL_SYSTEM_TIME, RCL_STEADY_TIME };
 
 namespace rclcpp
 {
 namespace doubled
 {
 inline std::int64_t present = 1'000'000;  // nanoseconds
-inline bool ok = true;
+inline volatile std::sig_atomic_t ok = 1;  // after rclcpp::shutdown nothing is published
+inline bool interrupt = false;
 inline double opening = 0.0;
 inline double level = 0.2;
 inline std::function<void(const std_msgs::msg::Float64 &)> on_level;
@@ -31,7 +33,7 @@ inline std::function<void(const std_msgs::msg::Bool &)> on_button;
 inline void published(const std::string &, const std_msgs::msg::Float64 & message) {opening = message.data;}
 inline void published(const std::string & topic, const std_msgs::msg::Bool & message)
 {
-  std::printf("%s %d at %lld ms\n", topic.c_str(), message.data ? 1 : 0, static_cast<long long>(present / 1000000 - 1));
+  std::printf("%s %d at %lld ms\n", topic.c_str(), message.data ? 1 : 0, static_cast<long long>(present / 1000000 - 9));
 }
 }  // namespace doubled
 
@@ -48,7 +50,7 @@ private:
 class Time
 {
 public:
-  explicit Time(std::int64_t given) : value_(given) {}
+  explicit Time(std::int64_t given = 0, rcl_clock_type_t type = RCL_SYSTEM_TIME) : value_(given) {(void)type;}
   Duration operator-(const Time & other) const {return Duration(value_ - other.value_);}
 
 private:
@@ -59,7 +61,7 @@ class Clock
 {
 public:
   explicit Clock(rcl_clock_type_t type = RCL_SYSTEM_TIME) {(void)type;}
-  Time now() {return Time(doubled::present);}
+  Time now() const {return Time(doubled::present);}
 };
 
 class QoS
@@ -80,7 +82,19 @@ class Publisher
 public:
   using SharedPtr = std::shared_ptr<Publisher>;
   explicit Publisher(std::string topic) : topic_(std::move(topic)) {}
-  void publish(const Message & message) {doubled::published(topic_, message);}
+  void publish(const Message & message)
+  {
+    if (doubled::ok != 0) {
+      doubled::published(topic_, message);
+    }
+  }
+
+  template<typename Count = std::int64_t, typename Unit = std::milli>
+  bool wait_for_all_acked(std::chrono::duration<Count, Unit> timeout = std::chrono::duration<Count, Unit>(-1)) const
+  {
+    (void)timeout;
+    return doubled::ok != 0;
+  }
 
 private:
   std::string topic_;
@@ -117,6 +131,7 @@ public:
   typename Publisher<Message>::SharedPtr create_publisher(const std::string & topic, const QoS & qos)
   {
     (void)qos;
+    doubled::present += 2'000'000;  // discovery takes time
     return std::make_shared<Publisher<Message>>(topic);
   }
 
@@ -128,6 +143,7 @@ public:
     } else {
       doubled::on_button = callback;
     }
+    doubled::present += 2'000'000;
     return std::make_shared<Subscription<Message>>();
   }
 
@@ -143,29 +159,48 @@ public:
   TimerBase::SharedPtr timer;
 };
 
-inline void init(int, char **) {}
+class InitOptions {};
+
+enum class SignalHandlerOptions { All, SigInt, SigTerm, None };
+
 inline bool shutdown()
 {
-  doubled::ok = false;
+  doubled::ok = 0;
   return true;
+}
+
+inline void init(
+  int argc, char const * const * argv, const InitOptions & init_options = InitOptions(),
+  SignalHandlerOptions signal_handler_options = SignalHandlerOptions::All)
+{
+  (void)init_options;
+  doubled::interrupt = argc > 1 && std::string(argv[1]) == "interrupt";
+  if (signal_handler_options != SignalHandlerOptions::None) {
+    (void)std::signal(SIGINT, [](int) {doubled::ok = 0;});
+  }
 }
 
 inline void spin(const std::shared_ptr<Node> & node)
 {
   using doubled::present;
-  for (int turn = 1; doubled::ok && turn < 1000; turn++) {
+  for (int turn = 1; doubled::ok != 0 && turn < 1000; turn++) {
     present += node->timer->period / 2;
     doubled::level += (doubled::opening - 0.3 * doubled::level) * 0.005;
     std_msgs::msg::Float64 level;
     level.data = doubled::level;
     doubled::on_level(level);
-    if (turn == 101) {
+    if (turn == 101 && doubled::interrupt) {
+      (void)std::raise(SIGINT);
+    } else if (turn == 101) {
       std_msgs::msg::Bool pressed;
       pressed.data = true;
       doubled::on_button(pressed);
     }
     if (turn % 2 == 0 && !node->timer->cancelled) {
+      const std::int64_t late = turn == 60 ? 9'000'000 : 0;  // less than a period
+      present += late;
       node->timer->callback();
+      present -= late;
     }
   }
   std::printf("level %.2f, opening %g\n", doubled::level, doubled::opening);
