@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.report import Report
-from cspdiag.base.sources import read_source
+from cspdiag.base.sources import STANDARD_INPUT, read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import given_name, require_folder
 from cspdiag.cli.support.numbers import add_real, add_settings
@@ -167,7 +167,6 @@ def _generate(arguments: Namespace) -> int:
     from cspdiag.cli.support.files.output import write_package
     from cspdiag.cli.support.templates import read_templates
     from cspdiag.codegen.python.valid import require_valid
-    from cspdiag.network.lower.program import is_taken_by_python
 
     if arguments.target not in TARGETS:
         raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
@@ -200,18 +199,26 @@ def _generate(arguments: Namespace) -> int:
     if program and _is_another(os.path.join(folder, earlier), arguments.file):
         before = on_one_line(os.path.normpath(os.path.join(folder, earlier)))
         say(f"{on_one_line(folder)} had the package of {before}, which this one replaces")
-    renamed = network.name.removesuffix("_")
-    if renamed != network.name and is_taken_by_python(renamed):
-        say(
-            f"`{renamed}` is already used by Python, so the package is called `{network.name}`; it takes its name from "
-            "the file"
-        )
+    _say_renamed(arguments.file, network.name)
     say(f"wrote {on_one_line(folder)}")
     if arguments.target == "c":
         from cspdiag.simulate.native.memory import report_or_reason
 
         say(f"{report_or_reason(network, files, arguments.level)}")
     return FINE
+
+
+def _say_renamed(file: str, package: str) -> None:
+    """Say that a package could not have the name of its file, in capitals or not."""
+    from cspdiag.network.lower.program import is_taken_by_python
+
+    renamed = package.removesuffix("_")
+    stem = os.path.basename(file).removesuffix(".csp")
+    if renamed != package and is_taken_by_python(renamed):
+        taken = f"`{renamed}` is already used by Python, so the package is called `{package}`"
+        say(f"{taken}; it takes its name from the file")
+    elif file != STANDARD_INPUT and stem.lower() != package:
+        say(f"`{on_one_line(stem)}`, the name of the file, is no identifier, so the package is called `{package}`")
 
 
 def _is_another(earlier: str, file: str) -> bool:

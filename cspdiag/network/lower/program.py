@@ -29,6 +29,7 @@ from cspdiag.network.lower.tunable import bound, program_parameters
 from cspdiag.network.occurrences import Occurrences, instance_names, tunable_parameters, values_by_name
 from cspdiag.network.submodels.initial_values import check_initial_values, with_tested_initial_values
 from cspdiag.syntax import ast
+from cspdiag.syntax.parse.ascii_names import ascii_letters
 
 
 class SelectionError(CspdiagError, ValueError):
@@ -252,11 +253,14 @@ def _alike(
 
 
 def _package_name(program: Program, process: ast.ProcessDefinition) -> str:
-    """The name of the package: that of the file without folder and suffix as an identifier, or else that of the
-    process.
+    """The name of the package: that of the file without folder and suffix as an identifier of ASCII letters, or else
+    that of the process.
     """
-    stem = program.main.source.name.replace("\\", "/").rsplit("/", 1)[-1].removesuffix(".csp")
-    name = "".join(c if c.isalnum() and c.isascii() else "_" for c in stem).strip("_")
+    from unicodedata import normalize
+
+    stem = normalize("NFC", program.main.source.name.replace("\\", "/").rsplit("/", 1)[-1].removesuffix(".csp"))
+    spelled = "".join((c if c.isascii() else ascii_letters(c)) or "_" for c in stem)
+    name = "".join(c if c.isalnum() else "_" for c in spelled).strip("_")
     if not name or name[0].isdigit():
         name = process.name.text
     name = name.lower()

@@ -246,6 +246,44 @@ def test_a_package_does_not_take_a_name_of_python(cspdiag: Command, tmp_path: Pa
         assert not (tmp_path / package / name.lower()).exists()
 
 
+@pytest.mark.parametrize(
+    ("name", "package"),
+    [
+        ("\u00fcn\u00ef", "ueni"),
+        ("u\u0308ni\u0308", "ueni"),
+        ("\u00e4n\u00e4", "aenae"),
+        ("\u03c9-loop", "omega_loop"),
+        ("1 2", "main"),
+        ("\u65e5", "main"),
+        ("a'b\"c $x", "a_b_c__x"),
+    ],
+)
+@pytest.mark.parametrize("target", ["c", "python"])
+def test_a_package_that_cannot_be_called_after_its_file_says_so(
+    cspdiag: Command, tmp_path: Path, name: str, package: str, target: str
+) -> None:
+    path = tmp_path / f"{name}.csp"
+    path.write_text("process Main { out y : int\n composition { y ! 1 } }\n")
+    result = cspdiag("compile", path, "--target", target, "-o", tmp_path)
+    said = f"`{name}`, the name of the file, is no identifier, so the package is called `{package}`"
+    assert result.err.splitlines()[:2] == [said, f"wrote {tmp_path / package}"]
+
+
+def test_a_package_that_replaces_that_of_a_neighbour_says_so(cspdiag: Command, tmp_path: Path) -> None:
+    for name in ("\u00e9", "\u00e8", "E"):
+        (tmp_path / f"{name}.csp").write_text("process Main { out y : int\n composition { y ! 1 } }\n")
+    said = [
+        cspdiag("compile", tmp_path / f"{name}.csp", "--target", "c", "-o", tmp_path).err.splitlines()[0]
+        for name in ("\u00e9", "\u00e8", "E")
+    ]
+    package = tmp_path / "e"
+    assert said == [
+        "`\u00e9`, the name of the file, is no identifier, so the package is called `e`",
+        f"{package} had the package of {tmp_path / chr(0xE9)}.csp, which this one replaces",
+        f"{package} had the package of {tmp_path / chr(0xE8)}.csp, which this one replaces",
+    ]
+
+
 def test_a_header_of_c_is_not_displaced(cspdiag: Command, tmp_path: Path) -> None:
     """The folder of a C package is searched for ``<math.h>`` too."""
     names = ["Math", "String", "Limits", "Stdio", "Time", "Signal", "Errno", "Fcntl", "Unistd", "Stdint", "Pthread"]
