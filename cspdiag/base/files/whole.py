@@ -6,8 +6,10 @@ import errno
 import io
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from typing import BinaryIO, Self
+
+from cspdiag.base.files.interrupted import signals_held, signals_raised
 
 
 def require_name_of_file(path: str | os.PathLike[str]) -> None:
@@ -29,7 +31,7 @@ def write_whole(path: str | os.PathLike[str], data: bytes) -> None:
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """A file to be written, which is at ``path`` when the block ends, whole; or not at all, if the block is left by an
-    exception.
+    exception or a signal ends the process.
 
     A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it
     is. Raises OSError as the file system does, with the name that was given, and for a pipe without a reader.
@@ -39,19 +41,20 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         with _opened_through(path) as file:
             yield file
     else:
-        with _Staging() as staging:
+        with signals_raised(), _Staging() as staging:
             with staging.opened(os.fspath(path)) as file:
                 yield file
             staging.put_in_place()
 
 
 def replace_files(files: Mapping[str, bytes]) -> None:
-    """Replace the contents of existing files, by path.
+    """Write the contents of files, by path.
 
-    All are first written next to their destinations, so none changes if one cannot be written, and then moved there.
+    All are first written next to their destinations, so none changes if one cannot be written, and then moved there,
+    which no signal interrupts.
     Symbolic links keep their targets, files keep their permissions. Raises OSError with the given name.
     """
-    with _Staging() as staging:
+    with signals_raised(), _Staging() as staging:
         for path, data in files.items():
             with staging.opened(path) as file:
                 file.write(data)
@@ -78,8 +81,10 @@ class _Staging:
         self._path = path
         real = os.path.realpath(path)
         temporary = f"{real}.{token_hex(8)}.tmp"
-        with open(temporary, "xb") as file:
-            self._temporary[path] = temporary, real
+        with ExitStack() as stack:
+            with signals_held():
+                file = stack.enter_context(open(temporary, "xb"))
+                self._temporary[path] = temporary, real
             yield file
 
     def put_in_place(self) -> None:
@@ -87,14 +92,16 @@ class _Staging:
         for temporary, real in self._temporary.values():
             with suppress(OSError):
                 os.chmod(temporary, os.stat(real).st_mode & 0o7777)
-        for path, (temporary, real) in self._temporary.items():
-            self._path = path
-            os.replace(temporary, real)
+        with signals_held():
+            for path, (temporary, real) in self._temporary.items():
+                self._path = path
+                os.replace(temporary, real)
 
     def __exit__(self, kind: object, problem: BaseException | None, trace: object) -> None:
-        for temporary, _ in self._temporary.values():
-            with suppress(FileNotFoundError):
-                os.unlink(temporary)
+        with signals_held():
+            for temporary, _ in self._temporary.values():
+                with suppress(FileNotFoundError):
+                    os.unlink(temporary)
         if isinstance(problem, OSError):
             raise OSError(problem.errno, problem.strerror, self._path) from None
 

@@ -361,12 +361,13 @@ def _rendered(scenes: Sequence[Scene], format_: str, arguments: Namespace) -> by
 
 
 def _write_folder(folder: Path, files: Mapping[str, bytes], format_: str) -> None:
+    from cspdiag.base.files.whole import replace_files
+
     folder.mkdir(exist_ok=True)
     places = {folder / f"{name}.{format_}": data for name, data in files.items()}
     for place in places:
         _refuse_link(place)
-    for place, data in places.items():
-        _write(place, data)
+    replace_files({os.fspath(place): data for place, data in places.items()})
     pictures = "1 picture" if len(files) == 1 else f"{len(files)} pictures"
     say(f"wrote {pictures} to {on_one_line(folder)}")
 

@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 
+from cspdiag.base.files.interrupted import signals_held
 from cspdiag.base.files.whole import write_whole
 from cspdiag.cli.support.failure import UsageError
 from cspdiag.cli.support.files.manifest import (
@@ -29,8 +30,9 @@ def write_package(folder: str, files: Mapping[str, str], target: str, *, program
 
     All files are written beside the folder first and then moved to their places. Files of an earlier generation for the
     target that are no longer generated are removed, with the folders that this leaves empty; files that were never
-    generated stay, and so does what was generated for another target. Even if this is interrupted, generated files are
-    recognized as such the next time. ``program`` is the path of the program's text from ``folder``, if it has one.
+    generated stay, and so does what was generated for another target. Signals that end the process wait until all of it
+    is done; even if the machine stops before, generated files are recognized as such the next time. ``program`` is the
+    path of the program's text from ``folder``, if it has one.
     Raises UsageError, having written nothing, if a file was changed or put there by hand or belongs to another target
     (unless ``force``), if the folder or one in it is a symbolic link, so files would be written or removed elsewhere,
     and if something else is in the way; OSError if a file cannot be written.
@@ -67,10 +69,11 @@ def write_new_folders(folder: str, files: Mapping[str, bytes]) -> None:
     names = list(dict.fromkeys(path.partition("/")[0] for path in files))
     for name in names:
         _refuse_existing(os.path.join(folder, name))
-    for name in names:
-        place = os.path.join(folder, name)
-        inside = {path.partition("/")[2]: content for path, content in files.items() if path.startswith(f"{name}/")}
-        write_new_folder(place, inside)
+    with signals_held():
+        for name in names:
+            place = os.path.join(folder, name)
+            inside = {path.partition("/")[2]: content for path, content in files.items() if path.startswith(f"{name}/")}
+            write_new_folder(place, inside)
 
 
 def write_new_folder(folder: str, files: Mapping[str, str | bytes]) -> None:
@@ -93,18 +96,19 @@ def _refuse_existing(folder: str) -> None:
 
 @contextmanager
 def _staging(folder: str) -> Iterator[str]:
-    """A new folder next to ``folder``, which is removed at the end. An OSError names the file in ``folder`` that was
-    meant.
+    """A new folder next to ``folder``, which is removed at the end; signals wait for it. An OSError names the file in
+    ``folder`` that was meant.
     """
-    staging = _new_staging(folder)
-    try:
-        yield staging
-    except OSError as problem:
-        name = os.fspath(problem.filename or folder)
-        meant = folder + name[len(staging) :] if name.startswith(staging) else name
-        raise OSError(problem.errno, problem.strerror, meant) from None
-    finally:
-        _remove_tree(staging)
+    with signals_held():
+        staging = _new_staging(folder)
+        try:
+            yield staging
+        except OSError as problem:
+            name = os.fspath(problem.filename or folder)
+            meant = folder + name[len(staging) :] if name.startswith(staging) else name
+            raise OSError(problem.errno, problem.strerror, meant) from None
+        finally:
+            _remove_tree(staging)
 
 
 def _new_staging(folder: str) -> str:

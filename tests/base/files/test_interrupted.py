@@ -1,0 +1,101 @@
+"""A signal that ends the process while it writes leaves neither a mixture of two results nor anything beside them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+
+SIGNALLED = """\
+import os, signal, sys
+from cspdiag.cli.main import main
+
+kind, call, count, *words = sys.argv[1:]
+function, calls = getattr(os, call), 0
+
+def signalled(*arguments, **options):
+    global calls
+    calls += "out/" in str(arguments[0])
+    if calls == int(count):
+        os.kill(os.getpid(), signal.Signals[kind])
+    return function(*arguments, **options)
+
+setattr(os, call, signalled)
+sys.exit(main(words))
+"""
+
+BLINK = """\
+process Blink {
+  out light : int @ 10 ms
+  communication { var n : int = 0 }
+  composition { mu (n := n + TOP ; light ! n ; wait 10 ms) }
+}
+"""
+
+
+def run(folder: Path, *words: str) -> int:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=60
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    return done.returncode
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+ENDS = [("SIGINT", 130), ("SIGTERM", -signal.SIGTERM), ("SIGHUP", -signal.SIGHUP)]
+
+
+@pytest.mark.parametrize(("kind", "code"), ENDS)
+@pytest.mark.parametrize(("call", "count"), [("mkdir", 1), ("makedirs", 9), ("replace", 2)])
+def test_a_package_is_replaced_as_a_whole(tmp_path: Path, kind: str, code: int, call: str, count: int) -> None:
+    for name, top in (("blink.csp", "1"), ("later/blink.csp", "2")):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(BLINK.replace("TOP", top))
+    compiled = ("-m", "cspdiag", "compile", "--target", "c")
+    assert run(tmp_path, *compiled, "blink.csp", "-o", "out") == 0
+    assert run(tmp_path, *compiled, "later/blink.csp", "-o", "expected") == 0
+    options = ("compile", "--target", "c", "later/blink.csp", "-o", "out")
+    assert run(tmp_path, "-c", SIGNALLED, kind, call, str(count), *options) == code
+    assert contents(tmp_path / "out") == contents(tmp_path / "expected")
+    assert os.listdir(tmp_path / "out") == ["blink"]
+
+
+@pytest.mark.parametrize(("kind", "code"), ENDS)
+def test_pictures_of_a_folder_change_together(tmp_path: Path, kind: str, code: int) -> None:
+    (tmp_path / "blink.csp").write_text(BLINK.replace("TOP", "1") + BLINK.replace("Blink", "Flash").replace("TOP", "2"))
+    options = ("draw", "blink.csp", "--all", "--format", "svg", "-o", "out/")
+    assert run(tmp_path, "-m", "cspdiag", *options) == 0
+    expected = contents(tmp_path / "out")
+    assert len(expected) > 1
+    for name in expected:
+        (tmp_path / "out" / name).write_text("old")
+    assert run(tmp_path, "-c", SIGNALLED, kind, "replace", "2", *options) == code
+    assert contents(tmp_path / "out") == expected
+
+
+WRITING = """\
+import os, signal, sys
+from cspdiag.base.files.whole import whole_file
+
+with whole_file("result") as file:
+    file.write(b"half")
+    os.kill(os.getpid(), signal.Signals[sys.argv[1]])
+    file.write(b"whole")
+"""
+
+
+@pytest.mark.parametrize("kind", ["SIGTERM", "SIGHUP"])
+def test_a_file_that_is_being_written_stays_as_it_was(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "result").write_text("before")
+    assert run(tmp_path, "-c", WRITING, kind) == -signal.Signals[kind]
+    assert contents(tmp_path) == {"result": b"before"}
