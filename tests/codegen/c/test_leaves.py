@@ -10,6 +10,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
+from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.result import Run
@@ -184,3 +185,50 @@ def test_a_process_by_hand_communicates_through_all_kinds_of_ends(level: int, tm
     assert len(expected.communications) > 50
     assert communications_of(run) == communications_of(expected)
     assert (run.outcome.ended, run.outcome.time) == (expected.outcome.ended, expected.outcome.time)
+
+
+def saved_network(folder: Path, header: str) -> CoreNetwork:
+    (folder / "scale.c").write_text(SOURCE)
+    (folder / "scale.h").write_text(header)
+    ports = SCALE[: SCALE.index("  communication")].replace("{", 'c "scale.c" {', 1) + "}\n"
+    return network_of(ports + PROGRAM, folder)
+
+
+COMMENTED = [
+    ("struct scale {", "struct scale { // the process; its members"),
+    ("    csp_ends ends;", "    csp_ends ends; // what is closed; at the end"),
+    ("    csp_out output;", "    // csp_out spare;\n    csp_out output;"),
+    ("struct scale {", "/* struct scale { csp_in spare; }; */\nstruct scale {"),
+]
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("change", COMMENTED, ids=["brace", "member", "line", "block"])
+def test_a_header_may_have_comments(change: tuple[str, str], tmp_path: Path) -> None:
+    network = saved_network(tmp_path, HEADER.replace(*change))
+    run = native.simulate(network, read_source, level=0, until=100 * MS, options=("-O0",))
+    assert len(run.communications) > 50
+
+
+HIDDEN = [
+    ("    csp_out output;", "#ifdef OUTPUT\n    csp_out output;\n#endif", "9: what members `struct scale` has depends"),
+    (
+        "\nstruct scale {",
+        "#define OUTPUT csp_out output;\nstruct scale {",
+        "4: a macro hides a member of the type `csp_out`",
+    ),
+    ("\nstruct scale {", "typedef csp_out own;\nstruct scale {", "4: a `typedef` hides a member of the type `csp_out`"),
+    (
+        "\nstruct scale {",
+        "typedef struct { csp_in x; } own;\nstruct scale {",
+        "4: a struct without a name hides a member",
+    ),
+]
+
+
+@pytest.mark.parametrize(("before", "after", "reason"), HIDDEN, ids=["directive", "macro", "typedef", "nameless"])
+def test_hidden_members_are_refused(before: str, after: str, reason: str, tmp_path: Path) -> None:
+    network = saved_network(tmp_path, HEADER.replace(before, after))
+    with pytest.raises(TargetError, match=f"scale.h:{reason}") as refused:
+        pipeline.generate(network, read_source, "c", 0)
+    assert "csp_in level" in str(refused.value)

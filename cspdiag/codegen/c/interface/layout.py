@@ -18,7 +18,7 @@ _SCALARS = {
 _POINTER = 8
 _BY_HAND = 256
 """The bytes that are reserved for a structure whose definition is not understood, because it is written by hand."""
-_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _DIRECTIVE = re.compile(r"^\s*#.*(?:\\\n.*)*$", re.MULTILINE)
 _DEFINITION = re.compile(r"\b(?:typedef\s+)?(struct|union|enum)\s+(\w+)\s*\{")
 _WORDS = re.compile(r"CSP_WORDS\((\d+)U?\)")
@@ -39,6 +39,11 @@ class Member:
     kind: str = ""
     """`struct` or `union` without a name, and its members as text:"""
     body: str = ""
+
+
+def without_comments(text: str) -> str:
+    """The text of a header without its comments, each line where it was."""
+    return _COMMENT.sub(lambda found: " " + "\n" * found[0].count("\n"), text)
 
 
 def members_of(body: str) -> Iterator[Member]:
@@ -69,7 +74,7 @@ class Layout:
         self._bodies: dict[str, tuple[str, str]] = {}
         self._known: dict[str, tuple[int, int]] = {}
         for text in headers:
-            plain = _DIRECTIVE.sub("", _COMMENT.sub("", text))
+            plain = _DIRECTIVE.sub("", without_comments(text))
             for found in _DEFINITION.finditer(plain):
                 self._bodies[found[2]] = (found[1], _braces(plain, found.end()))
 

@@ -20,6 +20,7 @@ from cspdiag.codegen.c.package.layouts import SUPPORT, Library, arranged
 from cspdiag.codegen.c.package.linkage import NAMES, first_included, names_header
 from cspdiag.codegen.c.package.parts import PARTS, parts_header
 from cspdiag.codegen.c.package.refusals import foreign_devices, refuse
+from cspdiag.codegen.c.process.leaves import leaf_header, refuse_hidden_members
 from cspdiag.codegen.c.process.levels import separate_depths
 from cspdiag.codegen.c.text.literals import in_comment
 from cspdiag.codegen.c.text.names import PackageNames
@@ -188,6 +189,9 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         files.update(law)
     devices = device_files(simulated, modules)
     by_hand = {**external_files(network, modules), **devices}
+    for class_ in lowered.classes:
+        if isinstance(class_, ProcessClass) and class_.external is not None:
+            refuse_hidden_members(class_, by_hand.get(leaf_header(class_), ""), names)
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+
+from cspdiag.codegen.c.interface.layout import without_comments
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.media import Access
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import Block, lines, run, signature
 from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.network import ProcessClass
 
 KINDS: dict[Access, str] = {
@@ -25,6 +30,40 @@ KINDS: dict[Access, str] = {
     "direct": "CSP_END_DIRECT",
 }
 """The kernel's constants for what a port of such a process is connected to."""
+
+_TYPE = r"\b(csp_(?:process|ends|in|out))\b(?!\s*\*)"
+_HIDDEN = {
+    "macro": re.compile(rf"^[ \t]*#[ \t]*define\b(?:\\\n|.)*?{_TYPE}", re.MULTILINE),
+    "`typedef`": re.compile(rf"\btypedef\s+{_TYPE}"),
+    "struct without a name": re.compile(rf"\btypedef\s+struct\s*\{{[^}}]*{_TYPE}"),
+}
+"""What hides members of the kernel's types."""
+_DIRECTIVE = re.compile(r"^[ \t]*#", re.MULTILINE)
+
+
+def refuse_hidden_members(class_: ProcessClass, header: str, names: PackageNames) -> None:
+    """Raises TargetError if the text of the header does not show all members of the struct of a process: saved states
+    have no pointers, so these must be known.
+    """
+    reasons = list(_hidden_members(names.classes[class_.name], without_comments(header)))
+    if reasons:
+        listed = "\n".join(f"{leaf_header(class_)}:{line}: {reason}" for line, reason in reasons)
+        raise TargetError(f"{listed}\n  help: write each member as in `csp_in level;`, so that states can be saved")
+
+
+def _hidden_members(struct: str, text: str) -> Iterator[tuple[int, str]]:
+    for what, pattern in _HIDDEN.items():
+        for found in pattern.finditer(text):
+            yield _line(text, found.start(1)), f"a {what} hides a member of the type `{found[1]}`"
+    begun = re.search(rf"\bstruct\s+{struct}\s*\{{", text)
+    if begun:
+        directive = _DIRECTIVE.search(text, begun.end(), max(text.find("\n}", begun.end()), begun.end()))
+        if directive:
+            yield _line(text, directive.end()), f"what members `struct {struct}` has depends on the preprocessor"
+
+
+def _line(text: str, at: int) -> int:
+    return text.count("\n", 0, at) + 1
 
 
 def leaf_header(class_: ProcessClass) -> str:
