@@ -92,7 +92,7 @@ def test_a_run_in_steps(machine: Path) -> None:
         f"state {MORE}: running; driven 4, last 4, released 0, afterwards 0",
         f"next 12, backwards {REFUSED}, beyond the end {REFUSED}",
         f"budget {BUDGET}",
-        "overwritten 0 1, wakes 2",
+        "overwritten 0 1, wakes 2, waiting 1",
         f"state {ENDED}: ended by itself; driven 6, last -1, released 2, afterwards 0",
         f"lamp 0, alive 1, again {ENDED}, next 1",
         f"after finish {ENDED}, released 2",
@@ -103,6 +103,7 @@ def test_a_run_in_steps(machine: Path) -> None:
 def test_a_reset_and_a_release_hand_over_safe_values(machine: Path) -> None:
     assert run(machine, "reset").splitlines() == [
         "released by the reset 2",
+        "next 8 ms, after the stop 6 ms",
         f"state {STOPPED}: stopped; driven 2, last -1, released 2, afterwards 0",
         f"state {STOPPED}: stopped; driven 4, last -1, released 2, afterwards 0",
     ]
@@ -246,7 +247,7 @@ def test_no_event_of_another_thread_is_lost_unreported(sanitizer: str, tmp_path:
     checked = ("-O1", f"-fsanitize={sanitizer}", "-fno-sanitize-recover=all")
     main = HERE / "devices" / "counting.c"
     image = by_the_interface(tmp_path, "tests/c_kernel/devices/counter.csp", main, "gcc", *checked)
-    assert run(image).splitlines() == [f"lost 0, in order 1, last 1, state {MORE}", f"stopped {STOPPED}"]
+    assert run(image).splitlines() == [f"lost unreported 0, in order 1, last 1, state {MORE}", f"stopped {STOPPED}"]
 
 
 @pytest.mark.parametrize("level", [0, 1])

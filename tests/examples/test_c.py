@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -52,6 +55,14 @@ def test_posix(examples: Path) -> None:
     if not lines[-1].startswith("Timeout: a sample of Tank.level was overwritten"):
         assert lines[0] == "lamp on"
         assert lines[-1] == "ended by itself"
+    # Ctrl-C ends it although the thread that would press the button sleeps for a minute.
+    process = subprocess.Popen([example / "tank", "60000"], stdout=subprocess.PIPE, text=True)
+    while len(os.listdir(f"/proc/{process.pid}/task")) < 2:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    stopped = process.communicate(timeout=30)[0].splitlines()
+    assert stopped[:3] == ["output 0 is safe", "lamp off", "output 1 is safe"]
+    assert stopped[3] == "stopped" or stopped[3].startswith("Timeout")
 
 
 def test_freertos(examples: Path) -> None:
@@ -128,10 +139,18 @@ def test_without_an_operating_system(
     need("make", compiler, emulator)
     example = examples / "bare_metal"
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    released = ["an output is safe", "lamp off", "an output is safe"]
+    assert emulated(processor, emulator, example) == ["filling", "lamp on", *released, "ended by itself"]
+    # A button that was pressed before the program began: its interrupt is pending.
+    main = example / "main.c"
+    main.write_text(main.read_text().replace("    board_start();\n", "    board_start();\n    board_press_button();\n"))
+    assert emulated(processor, emulator, example) == ["lamp on", *released, "ended by itself"]
+
+
+def emulated(processor: str, emulator: str, example: Path) -> list[str]:
+    """What the example says, built anew."""
     run("make", "-s", processor, cwd=example)
     command = run("make", "-s", "-n", f"run-{processor}", cwd=example).splitlines()[-1].split()
     assert command[0] == emulator
     # Texts come by the serial line, or by semihosting on the other stream.
-    lines = run("sh", "-c", f"{' '.join(command)} 2>&1", cwd=example).splitlines()
-    released = ["an output is safe", "lamp off", "an output is safe"]
-    assert lines == ["filling", "lamp on", *released, "ended by itself"]
+    return run("sh", "-c", f"{' '.join(command)} 2>&1", cwd=example).splitlines()

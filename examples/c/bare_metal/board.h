@@ -18,7 +18,9 @@ void board_wake(void);
 /* May be nested: the result of the first is passed to the second. */
 uint32_t board_disable_interrupts(void);
 void board_restore_interrupts(uint32_t before);
-/* Makes the interrupt of the button come, which calls on_button. */
+/* From now on the interrupt of the button, which may be pending, calls on_button. */
+void board_enable_button(void);
+/* Makes that interrupt come. */
 void board_press_button(void);
 void on_button(void);
 /* Called after a fault of the processor; the board stops when it returns. */

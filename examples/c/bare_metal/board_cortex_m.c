@@ -11,12 +11,17 @@
 
 enum { BUTTON = 1U << 20U }; /* interrupt 20, which no device of the emulated boards has */
 
-extern void (*const interrupts[])(void);
-void (*const interrupts[])(void) __attribute__((section(".vectors.devices"), used)) = {[20] = on_button};
+extern void (*const interrupts[32])(void);
+/* All of the processor: one without a handler is a fault, which releases the outputs. */
+void (*const interrupts[32])(void) __attribute__((section(".vectors.devices"), used)) = {[20] = on_button};
 
 void board_start(void)
 {
     csp_port_start();
+}
+
+void board_enable_button(void)
+{
     ENABLED_INTERRUPTS = BUTTON;
 }
 

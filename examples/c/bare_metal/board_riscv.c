@@ -85,8 +85,13 @@ void board_start(void)
     started = ticks();
     COMPARE_HIGH = UINT32_MAX;
     __asm__ volatile(CONTROL("csrw mtvec, %0") : : "r"(&on_trap));
-    __asm__ volatile(CONTROL("csrs mie, %0") : : "r"(OF_SOFTWARE | OF_TIMER));
+    __asm__ volatile(CONTROL("csrs mie, %0") : : "r"(OF_TIMER));
     board_restore_interrupts(ENABLED);
+}
+
+void board_enable_button(void)
+{
+    __asm__ volatile(CONTROL("csrs mie, %0") : : "r"(OF_SOFTWARE));
 }
 
 int64_t board_now(void)

@@ -95,6 +95,7 @@ int main(void)
         board_write(reason);
         return 1;
     }
+    board_enable_button(); /* not before: its handler needs the program */
     while (tank_continues(state)) {
         state = tank_advance(tank, board_now(), STEPS);
         /* Here the rest of your loop has its turn. After half a second somebody presses the button: */
@@ -104,7 +105,7 @@ int main(void)
             board_press_button();
         }
         if (state == TANK_MORE) {
-            board_sleep_until(tank_next(tank)); /* which is past if an event has come */
+            board_sleep_until(tank_next(tank)); /* which is past after an event or a stop */
         }
     }
     tank_describe(tank, text, sizeof text);

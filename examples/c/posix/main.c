@@ -23,7 +23,8 @@
 enum {
     STEPS = 64,             /* of processes between two looks at the clock */
     PRIORITY = 60,          /* above most real-time programs, below the threads of the system */
-    STACK = 128 * 1024      /* bytes that the loop may use at most */
+    STACK = 128 * 1024,     /* bytes that the loop may use at most */
+    LONGEST = 10 * 1000000  /* ns of sleep: an event has no `wake` here, and a program may wait for nothing but events */
 };
 
 /* ---- The plant, where a machine has its drivers ---- */
@@ -170,7 +171,7 @@ static void become_real_time(void)
 static tank_memory memory;
 static tank_instance *tank;
 
-/* SIGINT and SIGTERM end the run, with safe outputs. */
+/* SIGINT and SIGTERM end the run at once, with safe outputs. */
 static void on_signal(int number)
 {
     (void)number;
@@ -193,6 +194,7 @@ int main(int count, char **arguments)
     static long delay = 2000;
     const struct sigaction stopping = {.sa_handler = on_signal};
     const char *reason = NULL;
+    sigset_t signals;
     pthread_t operator;
     tank_state state = TANK_MORE;
     char text[200];
@@ -206,19 +208,28 @@ int main(int count, char **arguments)
     }
     (void)sigaction(SIGINT, &stopping, NULL);
     (void)sigaction(SIGTERM, &stopping, NULL);
+    /* Signals come to this thread, which they wake; the other one inherits that they are blocked. */
+    (void)sigemptyset(&signals);
+    (void)sigaddset(&signals, SIGINT);
+    (void)sigaddset(&signals, SIGTERM);
+    (void)pthread_sigmask(SIG_BLOCK, &signals, NULL);
     if (pthread_create(&operator, NULL, operate, &delay) != 0) {
         return EXIT_FAILURE;
     }
+    (void)pthread_sigmask(SIG_UNBLOCK, &signals, NULL);
     become_real_time(); /* this thread only */
     const int64_t started = now();
     while (tank_continues(state)) {
         state = tank_advance(tank, now() - started, STEPS);
         if (state == TANK_MORE) {
-            sleep_until(started + tank_next(tank));
+            const int64_t latest = (now() - started) + LONGEST;
+            const int64_t next = tank_next(tank);
+            sleep_until(started + ((next < latest) ? next : latest));
         }
     }
     tank_describe(tank, text, sizeof text);
     (void)printf("%s\n", text);
+    (void)pthread_cancel(operator); /* it may sleep for long */
     (void)pthread_join(operator, NULL);
     return (state == TANK_ENDED) ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -105,7 +105,7 @@ int main(void)
             on_button();
         }
         if (state == TANK_MORE) {
-            board_sleep_until(tank_next(tank)); /* which is past if an event has come */
+            board_sleep_until(tank_next(tank)); /* which is past after an event or a stop */
         }
     }
     tank_describe(tank, text, sizeof text);

@@ -271,7 +271,8 @@ int64_t csp_next(csp_kernel *csp)
     if (!runs(csp)) {
         return INT64_MAX;
     }
-    return (csp_is_ready(csp) || CSP_LOAD(csp->news)) ? csp->reached : csp_instants_next(csp);
+    const bool at_once = csp_is_ready(csp) || CSP_LOAD(csp->news) || CSP_LOAD(csp->stop_requested);
+    return at_once ? csp->reached : csp_instants_next(csp);
 }
 
 void csp_hand_over(csp_kernel *csp, int64_t instant)

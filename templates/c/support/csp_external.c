@@ -225,7 +225,7 @@ csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port)
 void csp_event_occur(csp_kernel *csp, csp_event_input *port)
 {
     for (csp_event_end *end = port->ends; end != NULL; end = end->next) {
-        end->fresh = true;
+        CSP_STORE(end->fresh, true);
         if (end->readers.first != NULL) {
             csp_ready(csp, csp_leave(&end->readers));
         }
@@ -233,12 +233,22 @@ void csp_event_occur(csp_kernel *csp, csp_event_input *port)
     }
 }
 
+/* Whether an event has come that a reader has not taken. */
+static bool is_unread(const csp_event_input *port)
+{
+    const csp_event_end *end = port->ends;
+    while ((end != NULL) && !CSP_LOAD(end->fresh)) {
+        end = end->next;
+    }
+    return CSP_LOAD(port->news) || (end != NULL);
+}
+
 bool csp_event_bring(csp_kernel *csp, csp_event_input *port, const void *value)
 {
     bool overwrites = false;
     const uint32_t outside = csp_lock(csp);
     if (port->brought != NULL) {
-        overwrites = CSP_LOAD(port->news);
+        overwrites = is_unread(port);
         (void)memcpy(port->brought, value, port->brought_size);
         CSP_STORE(port->news, true);
     }
@@ -253,8 +263,8 @@ void csp_event_take_over(csp_kernel *csp, csp_event_input *port)
         const uint32_t outside = csp_lock(csp);
         (void)memcpy(port->value, port->brought, port->brought_size);
         CSP_STORE(port->news, false);
+        csp_event_occur(csp, port); /* before another event comes, which has to find this one */
         csp_unlock(csp, outside);
-        csp_event_occur(csp, port);
     }
 }
 
@@ -267,7 +277,7 @@ void csp_event_poll(csp_kernel *csp, csp_event_input *port)
 
 void csp_event_take(csp_kernel *csp, csp_party *party, csp_event_end *end, void *value, size_t size)
 {
-    end->fresh = false;
+    CSP_STORE(end->fresh, false);
     csp_lower_bits(end->inputs);
     csp_copy(value, end->port->value, size);
     csp_observe(csp, end->medium.number, value, 0U, party->number);

@@ -102,8 +102,8 @@ csp_progress csp_event_read_again(csp_kernel *csp, csp_party *party, csp_event_e
 
 /* The environment offers a value, which is in `port->value`; not for interrupt handlers. */
 void csp_event_occur(csp_kernel *csp, csp_event_input *port);
-/* Called by an interrupt handler to bring an event, which occurs between two steps of processes. The latest value counts: returns whether it has
- * overwritten one. Not to be called before the network is built. */
+/* Called by an interrupt handler to bring an event, which occurs between two steps of processes. The latest value counts: returns whether one
+ * before it has not been read, which is lost unless it is read in the present step. Not to be called before the network is built. */
 bool csp_event_bring(csp_kernel *csp, csp_event_input *port, const void *value);
 /* Makes the event occur that an interrupt handler has brought. */
 void csp_event_take_over(csp_kernel *csp, csp_event_input *port);

@@ -1,9 +1,10 @@
 /* The start of a Cortex-M after reset: initializes memory as C requires, then calls main. After a fault of the processor, exit, abort or a failed
  * assertion, it sets the outputs to their safe values.
  *
- * The handlers of device interrupts are in a table of your own, which is placed after that of the processor:
+ * The handlers of device interrupts are in a table of your own, which is placed after that of the processor, and is as long as the processor has
+ * interrupts: one without a handler is a fault.
  *
- *     void (*const interrupts[])(void) __attribute__((section(".vectors.devices"), used)) = {[8] = on_timer};
+ *     void (*const interrupts[32])(void) __attribute__((section(".vectors.devices"), used)) = {[8] = on_timer};
  */
 #include "csp_port.h"
 

@@ -138,7 +138,9 @@ static void run(void)
     (void)printf("budget %d\n", (int)machine_advance(self, 20 * MS, 1U));
     (void)printf("overwritten %d", machine_button(self, false));
     (void)printf(" %d", machine_button(self, true));
-    (void)printf(", wakes %d\n", devices.wakes);
+    (void)printf(", wakes %d", devices.wakes);
+    (void)machine_advance(self, 20 * MS, 0U); /* the event is at its port */
+    (void)printf(", waiting %d\n", machine_button(self, true));
     state = machine_advance(self, 20 * MS, 1000U);
     show(self, state, &devices);
     (void)printf("lamp %d, alive %d, again %d, next %d\n", devices.last.lamp, devices.turns > 0,
@@ -163,7 +165,9 @@ static void reset(void)
     devices.released = 0;
     devices.driven = 0;
     machine_state state = machine_advance(self, 6 * MS, 1000U);
+    (void)printf("next %lld ms", (long long)(machine_next(self) / MS));
     machine_stop(self);
+    (void)printf(", after the stop %lld ms\n", (long long)(machine_next(self) / MS));
     state = machine_advance(self, 6 * MS, 1000U);
     show(self, state, &devices);
     self = begin(&memory, &devices, false);

@@ -245,8 +245,9 @@ void emergency_write_times(const emergency_times *times, uint32_t hertz,
     void (*put)(void *context, const char *text), void *context);
 
 /* Events. Each function may be called from anywhere; the event occurs at the next step, and of
- * several before it the last counts. True: it has overwritten one. The function of a port whose
- * name another function or type has ends in a number: emergency_stop_2.
+ * several before it the last counts. True: one before it has not been read, and is lost unless it
+ * is read in the present step. The function of a port whose name another function or type has
+ * ends in a number: emergency_stop_2.
  */
 bool emergency_panel(emergency_instance *self, enum emergency_button value);
 

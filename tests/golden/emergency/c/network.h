@@ -46,7 +46,7 @@ struct network_drivers {
 void network_initialize(struct network *self, const struct network_drivers *drivers,
     const csp_hooks *hooks);
 
-/* An interrupt handler brings an event: the latest value counts. True: it has overwritten one. */
+/* An interrupt handler brings an event; the latest counts. True: one before it has not been read. */
 bool network_bring_panel(struct network *self, enum emergency_button value);
 
 extern const csp_program network_program;

@@ -284,8 +284,9 @@ void jiwy_write_times(const jiwy_times *times, uint32_t hertz,
     void (*put)(void *context, const char *text), void *context);
 
 /* Events. Each function may be called from anywhere; the event occurs at the next step, and of
- * several before it the last counts. True: it has overwritten one. The function of a port whose
- * name another function or type has ends in a number: jiwy_stop_2.
+ * several before it the last counts. True: one before it has not been read, and is lost unless it
+ * is read in the present step. The function of a port whose name another function or type has
+ * ends in a number: jiwy_stop_2.
  */
 bool jiwy_joystick_buttons(jiwy_instance *self, int64_t value);
 
