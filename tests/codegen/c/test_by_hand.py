@@ -12,6 +12,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
+from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.native.build import CompilerError
@@ -120,6 +121,42 @@ def test_other_types_are_refused_with_a_reason(
     assert (
         f"valve.h: the member `{member}` of `struct valve` has to be `{type_}`, as the port is (tank.csp:" in reported
     )
+
+
+@pytest.mark.parametrize("nested", [False, True])
+def test_a_missing_member_is_refused_with_a_reason(nested: bool, tmp_path: Path) -> None:
+    with pytest.raises(TargetError, match="`struct valve` has no member `count` for the port `count`") as refused:
+        compiled(tmp_path, "cc", "double level; /* int64_t count; */ double opening;", nested=nested)
+    assert str(refused.value).startswith("valve.h: ")
+    assert "(tank.csp:" in str(refused.value)
+
+
+DRIVEN = """
+driver Board c "board.c" { in open : double }
+process Main { out y : double @ 10 ms  composition { mu (y ! 1.0 ; wait 10 ms) } }
+environment Bench for Main {
+  board : Board
+  y -> board.open
+}
+"""
+
+BOARD = """
+#include <stdbool.h>
+struct board { double MEMBER; };
+bool board_open(struct board *self);
+void board_close(struct board *self);
+void board_write_open(struct board *self);
+"""
+
+
+def test_a_missing_member_of_a_driver_is_refused_with_its_name_in_c(tmp_path: Path) -> None:
+    (tmp_path / "board.c").write_text('#include "board.h"\n')
+    (tmp_path / "board.h").write_text(BOARD.replace("MEMBER", "open"))
+    network = network_of(DRIVEN, tmp_path)
+    with pytest.raises(TargetError, match=r"board\.h: `struct board` has no member `open_` for the port `open`"):
+        pipeline.generate(network, read_source, "c")
+    (tmp_path / "board.h").write_text(BOARD.replace("MEMBER", "open_"))
+    assert pipeline.generate(network_of(DRIVEN, tmp_path), read_source, "c")
 
 
 @NEEDS_COMPILER

@@ -6,17 +6,20 @@ and C converts an argument to whatever the parameter is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.interface.layout import without_comments
 from cspdiag.codegen.c.laws.calls import body_name, law_members
 from cspdiag.codegen.c.laws.external import header_of
 from cspdiag.codegen.c.text.code import call, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted
-from cspdiag.codegen.c.text.names import PackageNames
+from cspdiag.codegen.c.text.names import PackageNames, snake_case
 from cspdiag.codegen.c.text.statements import lines, run
 from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.types import TextType, Type
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_calls
@@ -65,6 +68,47 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
         rows += required_function(header, "void", f"{law.struct}_initialize", (itself, *law.arguments), where)
         rows += required_function(header, "void", f"{law.struct}_calculate", (itself,), where)
     return {FILE: "\n".join([*rows, ""])}
+
+
+def refuse_missing_members(
+    network: Network,
+    environments: Iterable[Environment],
+    headers: Mapping[str, str],
+    names: PackageNames,
+    types: CTypes,
+) -> None:
+    """Raises TargetError if a struct in one of the ``headers``, texts by name, lacks the member of a port of a law of
+    the network or of a driver of the ``environments``. Other wrong members are found when the package is compiled.
+    """
+    found: list[_Member] = [*_members(network, names, types)]
+    for environment in environments:
+        found += _of_drivers(network, environment, names, types)
+    reasons = [
+        f"{header_of(item.body)}: `struct {item.struct}` has no member `{item.name}` for the port `{item.port}` "
+        f"({item.where})"
+        for item in dict.fromkeys(found)
+        if _lacks(without_comments(headers.get(header_of(item.body), "")), item)
+    ]
+    if reasons:
+        raise TargetError("\n".join(reasons))
+
+
+def _lacks(text: str, member: _Member) -> bool:
+    """Whether the struct is in the text, and the name of the member is nowhere."""
+    return bool(re.search(rf"\bstruct\s+{member.struct}\s*\{{", text)) and not re.search(rf"\b{member.name}\b", text)
+
+
+def _of_drivers(network: Network, environment: Environment, names: PackageNames, types: CTypes) -> Iterator[_Member]:
+    ports = {port.key: port for port in network.external_ports}
+    for driver in environment.drivers:
+        if driver.external.language != "c":
+            continue
+        where = names.place(driver.external.span.file, driver.external.span.line)
+        for connected, key in driver.connections:
+            port = connected.partition("[")[0]
+            if key in ports:
+                struct = snake_case(driver.definition)
+                yield _Member(driver.external, struct, types.field(port), ports[key].type, port, where)
 
 
 def required_member(

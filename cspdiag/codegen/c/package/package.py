@@ -9,7 +9,7 @@ from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.api import Interface, interface_files
 from cspdiag.codegen.c.laws.by_hand import FILE as TYPES_BY_HAND
-from cspdiag.codegen.c.laws.by_hand import checks_file
+from cspdiag.codegen.c.laws.by_hand import checks_file, refuse_missing_members
 from cspdiag.codegen.c.laws.external import device_files, external_files
 from cspdiag.codegen.c.laws.fmus import fmu_files
 from cspdiag.codegen.c.laws.laws import law_files
@@ -192,6 +192,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     for class_ in lowered.classes:
         if isinstance(class_, ProcessClass) and class_.external is not None:
             refuse_hidden_members(class_, by_hand.get(leaf_header(class_), ""), names)
+    refuse_missing_members(lowered, simulated, by_hand, names, types)
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))
