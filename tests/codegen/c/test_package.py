@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.base import SourceFile
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.sources import read_source
 from cspdiag.network.ir.network import CoreNetwork
@@ -62,6 +63,45 @@ def test_generated_code_gives_no_warnings(name: str, level: int, compiler: str, 
         command = [compiler, *WARNINGS, f"-DCSP_TRACE={traced}", f"-I{folder}", f"-I{folder}/support", *sources]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
+
+
+NAMED = """
+const NAME : double = 2
+submodel Motor { in x : double  out y : double  y = x * NAME }
+process Run {
+  in x : double  out y : double
+  communication { var v : double = NAME }
+  composition { mu (x ? v ; y ! v * NAME) }
+}
+process Main {
+  in x : double @ 1 ms
+  out y : double @ 1 ms
+  communication { run : Run  m : Motor  x -> run.x  run.y -> c : double buffer 1 -> m.x  m.y -> y }
+  composition { run || (mu m) }
+}
+submodel World { out x : double  x = time / 1 s }
+environment Bench for Main { world : World  world.x -> x  y -> _ }
+"""
+
+
+@needs_compiler
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("motor_reset", "motor_initialize", "motor_calculate", "run_step", "run_places", "run_class", "main_ports"),
+        *("network_initialize", "network_program", "bench_environment_advance", "bench_environment_drivers"),
+    ],
+)
+def test_constants_may_be_called_like_functions_of_the_package(name: str, level: int, tmp_path: Path) -> None:
+    file = SourceFile(name="named.csp", text=NAMED.replace("NAME", name))
+    network = pipeline.build(file, read_source).network
+    assert network is not None
+    folder = written(pipeline.generate(network, read_source, "c", level), tmp_path)
+    sources = [str(path) for path in folder.glob("*.c")]
+    command = [COMPILERS[0], *WARNINGS, f"-I{folder}", f"-I{folder}/support", *sources]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 @needs_compiler

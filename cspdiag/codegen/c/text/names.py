@@ -144,6 +144,15 @@ _LOCALS = PROCESS_LOCALS | ENVIRONMENT_LOCALS | words("number input context driv
 """Parameters and local variables of generated functions, which would hide a constant of the program."""
 
 
+_OWN = words(
+    """
+    advance branches calculate class count defaults drivers evaluate fails initialize kinds members names places ports
+    program reset set sizes slopes start step
+    """
+)
+"""The last words of the functions and tables of a class or an environment, whose names begin with its name."""
+
+
 _KINDS = words("bool double float int8 int16 int32 int64 uint8 uint16 uint32 uint64 csp_time")
 
 
@@ -196,6 +205,12 @@ class PackageNames(Package):
         self._names.avoid(_LOCALS)
         kinds = (*_KINDS, *self.types.values())
         self._names.avoid(f"{verb}_{kind}" for verb in ("read", "write", "poll") for kind in kinds)
+        owners = tuple(f"{name}_" for name in ("network", *self.classes.values(), *self.environments.values()))
+        self._names.avoid(
+            entry.name
+            for entry in network.constants
+            if entry.name.startswith(owners) and entry.name.rpartition("_")[2] in _OWN
+        )
         self.constants: Mapping[str, str] = {entry.name: self._names.fresh(entry.name) for entry in network.constants}
         members = Names()
         self.parameters: Mapping[str, str] = {entry.name: members[entry.name] for entry in network.parameters}
