@@ -33,6 +33,8 @@ class ApiText:
     """The prefix of functions and types."""
     top: str
     size: int
+    small_size: int
+    """With pointers of 32 bits or less."""
     build: str
     """A number of eight hexadecimal digits that identifies the program and its kernel."""
     processes: int
@@ -114,12 +116,15 @@ class Interface:
         kinds += [(port, "EVENT") for port in self.events]
         return {port.key: self.names.public_constant(f"{kind}_{port.key}") for port, kind in kinds}
 
-    def text(self, size: int, build: str, processes: int) -> ApiText:
-        """What the templates are given, for instances of at most ``size`` bytes with ``processes``."""
+    def text(self, sizes: tuple[int, int], build: str, processes: int) -> ApiText:
+        """What the templates are given, for instances with ``processes`` of at most these bytes: with pointers of 64
+        bits, and with shorter ones.
+        """
         return ApiText(
             name=self.prefix,
             top=self.network.top,
-            size=size,
+            size=sizes[0],
+            small_size=sizes[1],
             build=build,
             processes=processes,
             measured="thread" if self.inlined else "process",
@@ -314,13 +319,13 @@ def interface_files(
 ) -> dict[str, str]:
     """The header and the source; ``files`` identify the program, ``headers`` are all headers of package and kernel."""
     processes = _number("network_process_count = ", files["network_names.c"])
-    first = interface.text(0, "", processes)
+    first = interface.text((0, 0), "", processes)
     texts = [*headers, render("api.h.j2", api=first), first.instance]
-    layout = Layout(
-        texts, {"CSP_LEVELS": _number("#define CSP_LEVELS ", files["csp_config.h"]), "CSP_DEEPEST": DEEPEST}
-    )
+    constants = {"CSP_LEVELS": _number("#define CSP_LEVELS ", files["csp_config.h"]), "CSP_DEEPEST": DEEPEST}
+    layout, small = Layout(texts, constants), Layout(texts, constants, pointer=4)
+    instance = f"{first.name}_instance"
     build = crc32("\0".join(text for _, text in sorted(files.items())).encode())
-    api = interface.text(layout.size(f"{first.name}_instance"), f"{build:08x}", processes)
+    api = interface.text((layout.size(instance), small.size(instance)), f"{build:08x}", processes)
     classes = {name for name in interface.names.classes.values() if f"{name}.h" in files}
     own = {f"{api.name}_api.h": render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
     return {**own, **pointer_files(layout, classes)}

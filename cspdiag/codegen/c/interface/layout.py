@@ -1,6 +1,6 @@
 """How large the structures of a generated package are at most, from their definitions: no compiler is needed.
 
-Sizes are those of machines with pointers of 64 bits; with shorter ones no structure is larger.
+Sizes are those of machines with pointers of 8 or of 4 bytes; with shorter pointers no structure is larger.
 """
 
 from __future__ import annotations
@@ -12,10 +12,9 @@ from cspdiag.base.record import record
 
 _SCALARS = {
     "bool": 1, "char": 1, "int8_t": 1, "uint8_t": 1, "int16_t": 2, "uint16_t": 2, "int32_t": 4, "uint32_t": 4,
-    "float": 4, "int": 4, "unsigned": 4, "int64_t": 8, "uint64_t": 8, "double": 8, "size_t": 8, "ptrdiff_t": 8,
-    "intptr_t": 8, "uintptr_t": 8, "csp_word": 8,
+    "float": 4, "int": 4, "unsigned": 4, "int64_t": 8, "uint64_t": 8, "double": 8,
 }  # fmt: skip
-_POINTER = 8
+_AS_POINTERS = frozenset({"size_t", "ptrdiff_t", "intptr_t", "uintptr_t", "csp_word"})
 _BY_HAND = 256
 """The bytes that are reserved for a structure whose definition is not understood, because it is written by hand."""
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
@@ -69,8 +68,10 @@ def _member(declaration: str) -> Member:
 class Layout:
     """The structures that headers define, by name; ``struct x`` and ``x`` are the same."""
 
-    def __init__(self, headers: Iterable[str], constants: Mapping[str, int]) -> None:
+    def __init__(self, headers: Iterable[str], constants: Mapping[str, int], pointer: int = 8) -> None:
+        """``pointer``: the bytes of a pointer."""
         self._constants = constants
+        self._pointer = pointer
         self._bodies: dict[str, tuple[str, str]] = {}
         self._known: dict[str, tuple[int, int]] = {}
         for text in headers:
@@ -99,8 +100,9 @@ class Layout:
         return product
 
     def _of(self, name: str) -> tuple[int, int]:
-        if name in _SCALARS:
-            return _SCALARS[name], _SCALARS[name]
+        scalar = self._pointer if name in _AS_POINTERS else _SCALARS.get(name)
+        if scalar is not None:
+            return scalar, scalar
         if name not in self._known:
             kind, body = self._bodies.get(name, ("", ""))
             self._known[name] = (_BY_HAND, 8) if not kind else (4, 4) if kind == "enum" else self._members(kind, body)
@@ -120,7 +122,7 @@ class Layout:
         if member.kind:
             size, align = self._members(member.kind, member.body)
         elif member.is_pointer:
-            size, align = _POINTER, _POINTER
+            size, align = self._pointer, self._pointer
         else:
             size, align = self._of(re.sub(r"^(?:struct|union|enum|unsigned(?= int)) ", "", member.type))
         return size * self.count(member.extents), align

@@ -28,7 +28,11 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
+#if UINTPTR_MAX > 0xFFFFFFFFU
 #define COMMSTIME_SIZE 1112U
+#else
+#define COMMSTIME_SIZE 776U
+#endif
 typedef union commstime_memory {
     int64_t alignment;
     double alignment_of_reals;

@@ -30,7 +30,11 @@ extern "C" {
 /* The bytes that an instance takes at most, and memory for one, which has to be zero before it is
  * used for the first time.
  */
+#if UINTPTR_MAX > 0xFFFFFFFFU
 #define JIWY_SIZE 9008U
+#else
+#define JIWY_SIZE 6320U
+#endif
 typedef union jiwy_memory {
     int64_t alignment;
     double alignment_of_reals;
