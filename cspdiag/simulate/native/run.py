@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -323,7 +322,7 @@ def _run(
             raise
         errors.seek(0)
         written = errors.read()
-    outcome = _outcome(run, supervisor, program.environment, program.network)
+    outcome = _outcome(run, supervisor, running.returncode, program.environment, program.network)
     if outcome is None:
         raise CompilerError(f"the native program has failed: {how_it_ended(running.returncode, written)}")
     if program.board is None:
@@ -344,9 +343,9 @@ def _enlarge(pipe: BufferedIOBase) -> None:
 
 
 def _outcome(
-    run: NativeRun, supervisor: Supervisor, environment: Environment | None, network: CoreNetwork
+    run: NativeRun, supervisor: Supervisor, code: int, environment: Environment | None, network: CoreNetwork
 ) -> Outcome | None:
-    """How the run ended; None if the program has not reported that."""
+    """How the run ended; None if the program, whose exit ``code`` is given, has not reported that."""
     from cspdiag.runtime import Outcome
 
     reader, end = run.reader, run.reader.end
@@ -361,7 +360,7 @@ def _outcome(
         return outcome
     outcome = reported_outcome(reader, end, environment, network)
     if outcome.ended == "stopped":
-        outcome.signal = supervisor.signal or signal.SIGTERM
+        outcome.signal = supervisor.stopped_by(code)
     if supervisor.killed:
         outcome.release_errors.append(supervisor.kill_error)
     return outcome

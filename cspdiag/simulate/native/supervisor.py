@@ -61,6 +61,13 @@ class Supervisor:
         """Note that the program has reported its end: it has nothing left to do."""
         self._until = time.monotonic() + PATIENCE
 
+    def stopped_by(self, code: int) -> int:
+        """The signal that has stopped the program, which ended with that exit code: one that this process has received,
+        or one that a body in C has raised.
+        """
+        raised = code - 128
+        return self.signal or (raised if raised in signal.valid_signals() else signal.SIGTERM)
+
     def _run(self) -> None:
         while not self._ended.wait(_POLL_INTERVAL):
             if stopping.signal and not self.signal:

@@ -33,6 +33,7 @@ environment Simulated for Through { plant : Law  plant.valve -> level  valve -> 
 LAW = """\
 #include "law.h"
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include "csp_internal.h"
@@ -170,3 +171,8 @@ def test_files_of_an_earlier_run_are_said_to_be_such(tmp_path: Path, capsys: pyt
     Path(record).unlink()
     assert run(tmp_path, *outputs, law="abort()") == 1
     assert f"cspdiag: {trace} is of an earlier run\n" in capsys.readouterr().err
+
+
+def test_the_signal_that_a_law_raises_is_reported(tmp_path: Path) -> None:
+    assert run(tmp_path, law="raise(SIGINT)") == 130
+    assert run(tmp_path, law="raise(SIGTERM)") == 143
