@@ -122,6 +122,17 @@ def test_make_builds_the_simulation(tmp_path: Path) -> None:
     assert "no environment Mars; there are: " in unknown.stderr
 
 
+@pytest.mark.skipif(not all(map(shutil.which, ("make", "clang"))), reason="there is no make or no clang")
+def test_the_object_for_a_sanitizer_leaves_its_library_to_the_program(tmp_path: Path) -> None:
+    folder = written(pipeline.generate(network_of("watchdog/watchdog.csp"), read_source, "c"), tmp_path)
+    make = ["make", "-C", str(folder), "CC=clang", "CFLAGS=-O0 -fsanitize=undefined"]
+    package = next(path.stem.removesuffix("_api") for path in folder.glob("*_api.h"))
+    subprocess.run([*make, f"{package}.o"], capture_output=True, check=True)
+    names = subprocess.run(["nm", folder / f"{package}.o"], capture_output=True, text=True, check=True).stdout
+    runtime = {line.split()[-2] for line in names.splitlines() if line.split()[-1].startswith("__ubsan")}
+    assert runtime == {"U"}  # Undefined here, so it is linked with the program.
+
+
 @needs_compiler
 @pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
 def test_make_works_when_headers_are_removed(tmp_path: Path) -> None:
