@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* What generated code includes: the whole kernel. */
 #ifndef CSP_H
 #define CSP_H

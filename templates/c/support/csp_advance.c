@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* A run in steps: what is due up to an instant, and how the run ends. It never waits; csp_run waits between the steps. */
 #include "csp_internal.h"
 #include "csp_shared.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The alternative: waits until a guard is ready, and chooses.
  *
  * If a guard is ready, it chooses immediately. Otherwise it waits: the first guard that becomes ready puts it into the ready queue. When it

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Alternatives and interrupts: waiting for one of several guards.
  *
  * Bit k of an alternative is set exactly while guard k is ready, whether or not the alternative waits. Whatever makes a guard

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Initialization of alternatives, and which of their guards are enabled. */
 #include "csp_internal.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The rendezvous of any writer with any reader, plain or in alternatives.
  *
  * At most one of the two queues of waiting parties is not empty. Parties are served first come, first served, and before

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_arithmetic.h. */
 #include "csp_arithmetic.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Arithmetic as the language defines it: integers that never wrap silently, and IEEE 754 reals.
  *
  * Overflow, a value outside its type, an index outside its array, division by zero and a NaN for an actuator are *faults*, which a correct

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The broadcast channel: every reading end gets every value.
  *
  * An end is fresh from a write until its reader has taken the value. The writer waits while any end is fresh.

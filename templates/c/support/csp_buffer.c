@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Channels with memory between one writer and one reader. A value communicates when it enters.
  *
  * While the reader waits, nothing is stored; while the writer waits, the buffer is full.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Compile-time checks of hand-written headers. To be included after them. */
 #ifndef CSP_BY_HAND_H
 #define CSP_BY_HAND_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Cancellation: a process ends at its next communication; if it waits, that is the one for which it waits. */
 #include "csp_internal.h"
 

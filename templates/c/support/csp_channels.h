@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Channels in guards or with several users, channels with memory, and broadcast channels. */
 #ifndef CSP_CHANNELS_H
 #define CSP_CHANNELS_H

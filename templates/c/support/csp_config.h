@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The configuration of the kernel for a program; generated packages have their own. */
 #ifndef CSP_CONFIG_H
 #define CSP_CONFIG_H

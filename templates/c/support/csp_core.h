@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The kernel of CSP programs: processes, channels, alternatives, time. C99, no heap, no recursion.
  *
  * A *party* is what can be ready or wait at one channel: a process, or one of several communications that a process

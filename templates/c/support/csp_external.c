@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Ports of the outermost process.
  *
  * A reading end of a sampled input has a session, which begins when its reader first waits for a sample and lasts until the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Ports of the outermost process, which connect a program to its environment. */
 #ifndef CSP_EXTERNAL_H
 #define CSP_EXTERNAL_H

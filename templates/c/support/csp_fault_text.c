@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_fault_text.h. */
 #include "csp_fault_text.h"
 

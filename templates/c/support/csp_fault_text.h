@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The messages of faults, worded as in every target. Each function writes at most `size` characters, including the terminating 0. */
 #ifndef CSP_FAULT_TEXT_H
 #define CSP_FAULT_TEXT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Guards of alternatives at channels and ends. */
 #include "csp_internal.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* What happens at an instant before any process runs.
  *
  * The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are written; then

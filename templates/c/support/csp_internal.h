@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The internal interface of the kernel; not for generated code. */
 #ifndef CSP_INTERNAL_H
 #define CSP_INTERNAL_H

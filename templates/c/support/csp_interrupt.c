@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Interrupt: a process that is abandoned at its next communication once a guard is ready.
  *
  * The body is a branch of its own. Meanwhile the guard waits like that of an alternative, so an alternative on the other side may choose

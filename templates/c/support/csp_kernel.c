@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The scheduler: which process runs next. First come, first served within a level of priority. */
 #include "csp_internal.h"
 #include "csp_shared.h"

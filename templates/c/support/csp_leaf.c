@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Ports of hand-written processes. */
 #include "csp_leaf.h"
 

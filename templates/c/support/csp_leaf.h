@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* For hand-written processes: ports that can be connected to anything.
  *
  * The body of `process Logger c "logger.c"` is a pair of files, logger.h and logger.c. The header includes the generated logger_ports.h and

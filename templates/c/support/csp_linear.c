@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_linear.h. The order of operations is that of the language reference, so results are the same to the bit everywhere. */
 #include "csp_linear.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Linear plants: states x with dx/dt = A x + r, where A is constant and r is held over a step.
  *
  * One step of the classical Runge-Kutta method over h seconds is then x = M x + N r, with M = I + h A S, N = h S and S = I + h A/2 (I + h A/3 (I + h A/4)).

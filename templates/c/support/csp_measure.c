@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Execution times on the target, by a counter of cycles: see the hooks `cycles` and `measured`. Simulations measure in csp_stream.c. */
 #include "csp_internal.h"
 

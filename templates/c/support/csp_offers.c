@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Concurrent communications: begun in the order of the ports; the process continues when the last of them is complete. */
 #include "csp_internal.h"
 

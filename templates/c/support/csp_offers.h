@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Concurrent communications, with which a control law reads its inputs and writes its outputs. */
 #ifndef CSP_OFFERS_H
 #define CSP_OFFERS_H

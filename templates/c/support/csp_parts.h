@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The parts of the kernel. A program defines those as 0 that it does not use (csp_config.h), and they take no memory then. */
 #ifndef CSP_PARTS_H
 #define CSP_PARTS_H

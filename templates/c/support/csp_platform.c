@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* What joins a run to its platform: the hooks that call the functions of csp_port.h, and which run the platform's handlers stop and release. */
 #include "csp_internal.h"
 #include "csp_port.h"

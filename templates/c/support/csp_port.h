@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The interface between the kernel and a platform. Each port of the kernel is one file, csp_port_*.c. */
 #ifndef CSP_PORT_H
 #define CSP_PORT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_port_board.h, csp_simulation_host.h and csp_stream_rows.h. */
 #include "csp_port_board.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* A board whose host, a debugger or an emulator, serves it by semihosting: the command line, one file for the records of a run, texts and the exit status.
  * The simulation runs on it in virtual time, so its trace is that of every other machine. */
 #ifndef CSP_PORT_BOARD_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* A Cortex-M that a host serves: start after reset, faults, and the call of the host. With csp_port_board_cortex_m.ld. */
 #include "csp_port_board.h"
 

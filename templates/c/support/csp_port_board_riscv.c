@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* A RISC-V processor that a host serves: start after reset, faults, and the call of the host. With csp_port_board_riscv.ld. */
 #include "csp_port_board.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The port for bare Cortex-M: SysTick counts time, and its interrupt comes at the instant for which the program waits; the processor sleeps until
  * then. Messages go to a debugger by semihosting. Needs csp_port_cortex_m_startup.c, or a vector table of your own that calls csp_port_tick at every
  * SysTick. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The start of a Cortex-M after reset: initializes memory as C requires, then calls main. After a fault of the processor, exit, abort or a failed
  * assertion, it sets the outputs to their safe values.
  *

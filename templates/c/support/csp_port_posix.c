@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The port for real time on POSIX systems: the monotonic clock, absolute waits, and, if the system permits it, locked memory and a
  * scheduling class that ordinary programs cannot preempt. At the end it reports how late instants were executed. */
 #define _POSIX_C_SOURCE 200809L

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The port for simulation: time is virtual, so it never waits. */
 #include "csp_port.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* How processes begin, end and fail; branches of parallels. */
 #include "csp_arithmetic.h"
 #include "csp_internal.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Processes: beginning, ending, failing, calling, running in parallel, waiting. */
 #ifndef CSP_PROCESS_H
 #define CSP_PROCESS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* A whole program and its run. */
 #ifndef CSP_PROGRAM_H
 #define CSP_PROGRAM_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Calls of device functions, and safe values: each output gets its safe value once, as its last value, however the run ends. */
 #include "csp_internal.h"
 #include "csp_shared.h"

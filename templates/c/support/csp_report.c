@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Texts for users: which processes wait for which, and why a run has failed. */
 #include "csp_internal.h"
 #include "csp_shared.h"

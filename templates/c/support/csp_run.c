@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* A whole run on a platform: steps of csp_advance, and waiting between them. */
 #include "csp_internal.h"
 #include "csp_port.h"

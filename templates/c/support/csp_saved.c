@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Copies of a state without pointers. */
 #include "csp_saved.h"
 

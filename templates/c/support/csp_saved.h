@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Copies of a state without pointers, which another process or another instance can continue from.
  *
  * A generated table says where the pointers of a structure are. In a copy, a pointer is its distance from the beginning of the memory that it points into, which

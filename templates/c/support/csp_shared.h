@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Variables that the run shares with other threads, or with interrupt and signal handlers. */
 #ifndef CSP_SHARED_H
 #define CSP_SHARED_H

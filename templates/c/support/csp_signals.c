@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_signals.h. */
 #define _DEFAULT_SOURCE /* anonymous memory */
 #define _XOPEN_SOURCE 700 /* POSIX, and a stack for handlers */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The end of programs with actuators on POSIX systems: whatever ends the program, its outputs get their safe values first.
  *
  * Every signal that would end the process requests the run to stop, however many of them arrive. If it does not stop within CSP_GRACE seconds,

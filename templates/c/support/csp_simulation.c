@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_simulation.h. */
 #include "csp_simulation.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The main of a simulation: runs a program in virtual time against an environment that is compiled into it. */
 #ifndef CSP_SIMULATION_H
 #define CSP_SIMULATION_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* What a simulation needs of the machine that it runs on: csp_simulation_posix.c, or csp_port_board.c. */
 #ifndef CSP_SIMULATION_HOST_H
 #define CSP_SIMULATION_HOST_H

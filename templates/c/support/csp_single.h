@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The functions of csp_arithmetic.h for reals in single precision: the same results, without an operation in double precision, for
  * processors whose floating-point unit has none.
  *

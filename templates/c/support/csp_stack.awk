@@ -1,3 +1,5 @@
+# SPDX-License-Identifier: 0BSD
+#
 # The deepest stack of each function of the interface, and the frame of each function, from the call graphs that gcc writes (-fcallgraph-info=su):
 #
 #     awk -v package=jiwy -f csp_stack.awk *.ci

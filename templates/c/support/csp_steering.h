@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* A simulation that is steered: in virtual time it advances only by orders, and its inputs may be taken over from its environment.
  *
  * The orders come through a pipe, each followed by `size` bytes. Those to advance, and that for a report, are answered in the stream (csp_stream_held); all

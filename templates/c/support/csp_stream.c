@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_stream.h. */
 #define _POSIX_C_SOURCE 200809L /* with CSP_MEASURE: a clock for the processor time of this program */
 

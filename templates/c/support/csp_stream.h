@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The events of a run, as records on standard output for the process that started it.
  *
  * A record is a row of 32 bytes, in the byte order of the machine: kind (4 bytes), number (4), time (8), writer (4), reader (4), value (8). The kinds, with

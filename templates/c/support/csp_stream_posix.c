@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Rows are written to standard output, also by another thread while the run computes. See csp_stream_rows.h. */
 #define _POSIX_C_SOURCE 200809L /* threads and signals */
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The rows of a run that are not sent yet, and how they are sent: csp_stream_posix.c to standard output, csp_port_board.c to a file of the host. */
 #ifndef CSP_STREAM_ROWS_H
 #define CSP_STREAM_ROWS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_text.h. The digits of reals are computed with integers, by the method of Steele and White ("How to print floating-point numbers
  * accurately", 1990) with the refinements of Burger and Dybvig (1996): the fewest digits that are nearer to the number than to its neighbours. */
 #include "csp_text.h"

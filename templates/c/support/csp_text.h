@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Texts for users, without a heap, which printf and strtod of small machines need. */
 #ifndef CSP_TEXT_H
 #define CSP_TEXT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Timers: a pairing heap of nodes that are owned by their users. */
 #include "csp_internal.h"
 

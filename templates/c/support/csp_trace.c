@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Communications for the owner of a run: see the hook `trace`. Simulations observe in csp_stream.c. */
 #include "csp_internal.h"
 

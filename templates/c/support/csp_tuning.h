@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Changes of parameters that a simulation is given: a file of records, or a pipe to which they are written while it runs. */
 #ifndef CSP_TUNING_H
 #define CSP_TUNING_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_tuning.h. */
 #define _POSIX_C_SOURCE 200809L /* poll */
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Which processes wait, and for what. */
 #include "csp_internal.h"
 

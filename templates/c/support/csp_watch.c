@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See csp_watch.h. */
 #define _XOPEN_SOURCE 700 /* POSIX */
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The thread that watches a running program; an interface within the kernel. */
 #ifndef CSP_WATCH_H
 #define CSP_WATCH_H

@@ -104,6 +104,15 @@ def test_constants_may_be_called_like_functions_of_the_package(name: str, level:
     assert done.returncode == 0, done.stderr
 
 
+def test_each_source_states_its_licence_once() -> None:
+    """Those who collect the licences of a product look for it in each file."""
+    files = pipeline.generate(network_of("jiwy/jiwy.csp"), read_source, "c")
+    lines = {path: text.splitlines() for path, text in files.items() if path.endswith((".c", ".h", ".ld", ".awk"))}
+    assert len(lines) > 50
+    for path, text in lines.items():
+        assert [number for number, line in enumerate(text) if "SPDX-License-Identifier: 0BSD" in line] == [0], path
+
+
 @needs_compiler
 @pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
 def test_make_builds_the_simulation(tmp_path: Path) -> None:

@@ -95,7 +95,8 @@ def names_header(package: str, sources: Iterable[str], headers: Iterable[str], t
     distinct = DistinctNames({*kept, *taken})
     new = {name: _fresh(f"{prefix}{name}", distinct) for name in sorted(external - kept)}
     about = f"To the linker, names begin with {prefix}: programs with kernels of their own then fit in one image."
-    rows = [*comment(wrapped(about)), "#ifndef CSP_NAMES_H", "#define CSP_NAMES_H", ""]
+    licence = "/* SPDX-License-Identifier: 0BSD */"
+    rows = [licence, *comment(wrapped(about)), "#ifndef CSP_NAMES_H", "#define CSP_NAMES_H", ""]
     rows += [f"#define {name} {long}" for name, long in new.items() if name not in macros]
     rows += ["", "#if CSP_TRACE /* otherwise these are macros */"]
     rows += [f"#define {name} {long}" for name, long in new.items() if name in macros and name.islower()]

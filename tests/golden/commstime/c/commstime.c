@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 #include "commstime.h"
 
 #include "constants.h"

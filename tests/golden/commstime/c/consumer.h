@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Takes `rounds` values and ends the network.
  *
  * Source: commstime.csp:47

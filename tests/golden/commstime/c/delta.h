@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Copies each value to both outputs, one after the other.
  *
  * Source: commstime.csp:19

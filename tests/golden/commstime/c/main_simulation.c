@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The simulation of Commstime: in virtual time, against the environments that are compiled in. */
 #include "csp_simulation.h"
 #include "network.h"

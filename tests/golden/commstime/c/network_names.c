@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 #include "network.h"
 #include "csp_arithmetic.h"
 #include "types.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Where the pointers of struct network are, so that copies can be moved. */
 #include "network_pointers.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Sends a first value and copies everything that follows.
  *
  * Source: commstime.csp:5

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Adds one.
  *
  * Source: commstime.csp:33

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* What the program needs of the kernel. */
 #ifndef CSP_CONFIG_H
 #define CSP_CONFIG_H

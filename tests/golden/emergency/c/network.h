@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The network of Spindle: its processes, its channels, and what is behind its ports. */
 #ifndef NETWORK_H
 #define NETWORK_H

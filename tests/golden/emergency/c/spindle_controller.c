@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See spindle_controller.h. */
 #include "spindle_controller.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Proportional law with the voltage that the speed induces added.
  *
  * Source: emergency.csp:8

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See workshop_environment.h. */
 #include "workshop_environment.h"
 

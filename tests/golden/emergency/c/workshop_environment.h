@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The environment Workshop.
  *
  * Source: emergency.csp:62

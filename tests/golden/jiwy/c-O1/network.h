@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The network of Jiwy: its processes, its channels, and what is behind its ports. */
 #ifndef NETWORK_H
 #define NETWORK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Where the pointers of struct network are. */
 #ifndef NETWORK_POINTERS_H
 #define NETWORK_POINTERS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See worn_environment.h. */
 #include "worn_environment.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 #include "align.h"
 
 #include "constants.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Turns one joint at constant speed until it meets its end stop, and remembers where that was.
  *
  * Source: jiwy.csp:23

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See bench_environment.h. */
 #include "bench_environment.h"
 

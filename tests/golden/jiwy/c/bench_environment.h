@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Both joints stand somewhere between their end stops; the operator moves the stick, presses the
  * button, lets go.
  *

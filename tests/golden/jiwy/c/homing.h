@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Servo back to the centre; there, or where its patience ends, the motor is released.
  *
  * Source: jiwy.csp:76

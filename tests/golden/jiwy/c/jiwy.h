@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The pan-and-tilt end-effector: both joints at the same time, each at its own sample period.
  *
  * Source: jiwy.csp:134

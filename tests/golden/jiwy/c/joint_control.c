@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 #include "joint_control.h"
 
 #include "constants.h"

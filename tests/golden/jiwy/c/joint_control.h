@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* One joint through its four modes.
  *
  * Source: jiwy.csp:104

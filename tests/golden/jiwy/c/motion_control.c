@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 #include "motion_control.h"
 
 #include "constants.h"

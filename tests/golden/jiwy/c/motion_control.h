@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Servo that follows the joystick until the stop button is pressed, then releases the motor.
  *
  * Source: jiwy.csp:46

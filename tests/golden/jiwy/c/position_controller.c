@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See position_controller.h. */
 #include "position_controller.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Position servo of one joint. The set-point counts from the centre between the end stops, 1 being
  * `reach`; `reference` is the angle that this means. The voltage for the friction is added in the
  * direction in which the profile moves. `stop` tells that the joint has stood where it should for

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* The types of the program, and how their values are compared and tested. */
 #ifndef TYPES_H
 #define TYPES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* See velocity_controller.h. */
 #include "velocity_controller.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* Constant speed: PI on the filtered difference of the encoder, its output limited, so that it
  * presses gently on the end stop. The end stop is the joint standing still for `dwell` although
  * the controller drives with more than `effort`; `max` is where the joint is.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: 0BSD */
 /* A worn machine, its friction up by 30 %, switched on near its end stops, in the hand of an
  * impatient operator.
  *
