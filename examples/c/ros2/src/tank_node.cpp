@@ -111,7 +111,7 @@ private:
       tank_describe(tank_, text, sizeof text);
       RCLCPP_INFO(get_logger(), "%s", text);
       timer_->cancel();
-        (void)opening_->wait_for_all_acked(1s);  // safe values arrive before there is no publisher
+      (void)opening_->wait_for_all_acked(1s);  // safe values arrive before there is no publisher
       (void)lamp_->wait_for_all_acked(1s);
       rclcpp::shutdown();
     }

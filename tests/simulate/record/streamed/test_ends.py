@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import resource
 import signal
@@ -38,6 +39,8 @@ environment Bench for Main {
 """
 
 TARGETS = [[], ["--target", "c"]]
+_SIGNAL_OF_PARENTS_DEATH = 1
+"""PR_SET_PDEATHSIG of prctl."""
 
 
 @pytest.fixture
@@ -55,6 +58,8 @@ def started(folder: Path, name: str, *options: str, limit: int = 0) -> subproces
     command = [sys.executable, "-m", "cspdiag", "run", "main.csp", "--record", name, *options]
 
     def limited() -> None:
+        # The runs never end by themselves, and would fill the disk if the tests were killed.
+        ctypes.CDLL(None).prctl(_SIGNAL_OF_PARENTS_DEATH, signal.SIGKILL)
         if limit:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
