@@ -241,7 +241,7 @@ void csp_describe_interrupted(csp_kernel *csp, char *text, size_t size)
 void csp_describe_present(csp_kernel *csp, char *text, size_t size)
 {
     const csp_calls calls = csp_calls_now(csp);
-    const csp_process *const process = present_process(csp);
+    const csp_process *const process = calls.driving ? present_process(csp) : NULL;
     text[0] = '\0';
     if (!calls.driving) {
         csp_append(text, size, "nothing runs");
