@@ -32,15 +32,22 @@ def signals_raised() -> Iterator[None]:
     unfinished can be removed; they end the process when it ends.
     """
     arrived: list[int] = []
+    begun = False
 
     def end(number: int, _: FrameType | None) -> None:
         arrived.append(number)
-        if len(arrived) == 1:
+        if begun and len(arrived) == 1:
             raise _EndedBySignal
 
     try:
         with _handled(end, only_default=True):
-            yield
+            begun = True
+            if arrived:
+                raise _EndedBySignal
+            try:
+                yield
+            finally:
+                begun = False  # Handlers are taken out; an exception would leave the others.
     finally:
         _raise(arrived[:1])
 
@@ -63,9 +70,11 @@ def _handled(handler: Callable[[int, FrameType | None], object], *, only_default
             known = number and signal.getsignal(number)
             if number is None or not (known is signal.SIG_DFL or (callable(known) and not only_default)):
                 continue
+            before[number] = known
             try:
-                before[number] = signal.signal(number, handler)
+                signal.signal(number, handler)
             except ValueError:
+                del before[number]
                 break
         yield
     finally:

@@ -99,3 +99,39 @@ def test_a_file_that_is_being_written_stays_as_it_was(tmp_path: Path, kind: str)
     (tmp_path / "result").write_text("before")
     assert run(tmp_path, "-c", WRITING, kind) == -signal.Signals[kind]
     assert contents(tmp_path) == {"result": b"before"}
+
+
+BETWEEN = """\
+import os, signal, sys
+from cspdiag.base.files.whole import whole_file
+
+set_handler, calls = signal.signal, 0
+
+def signalled(*arguments):
+    global calls
+    calls += 1
+    before = set_handler(*arguments)
+    if calls == int(sys.argv[1]):
+        os.kill(os.getpid(), signal.SIGTERM)
+    return before
+
+signal.signal = signalled
+with whole_file("result") as file:
+    file.write(b"whole")
+"""
+
+
+def test_a_signal_between_two_handlers_ends_the_process(tmp_path: Path) -> None:
+    """The first handlers are those of the whole, the last ones are taken out when all is done."""
+    (tmp_path / "result").write_text("before")
+    codes, texts = [], []
+    for count in range(1, 100):
+        codes.append(run(tmp_path, "-c", BETWEEN, str(count)))
+        ((_, text),) = contents(tmp_path).items()
+        texts.append(text)
+        if codes[-1] == 0:
+            break
+    assert codes == [-signal.SIGTERM] * (len(codes) - 1) + [0]
+    assert len(codes) > 20
+    assert {*texts} == {b"before", b"whole"}
+    assert texts == sorted(texts)
