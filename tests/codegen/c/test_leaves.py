@@ -213,9 +213,9 @@ def test_a_header_may_have_comments(change: tuple[str, str], tmp_path: Path) -> 
 HIDDEN = [
     ("    csp_out output;", "#ifdef OUTPUT\n    csp_out output;\n#endif", "9: what members `struct scale` has depends"),
     (
-        "\nstruct scale {",
-        "#define OUTPUT csp_out output;\nstruct scale {",
-        "4: a macro hides a member of the type `csp_out`",
+        "\nstruct scale {\n    csp_process process;",
+        "#define OWN csp_process process;\nstruct scale {\n    OWN",
+        "4: a macro hides a member of the type `csp_process`",
     ),
     ("\nstruct scale {", "typedef csp_out own;\nstruct scale {", "4: a `typedef` hides a member of the type `csp_out`"),
     (
@@ -224,6 +224,19 @@ HIDDEN = [
         "4: a struct without a name hides a member",
     ),
 ]
+
+
+SHOWN = [
+    ("\n#endif", "\n#define SIZE_OF_IN sizeof(csp_in)\n#ifdef DEBUG\nstruct debug { int level; };\n#endif\n#endif"),
+    ("\n};", " };\n#ifdef DEBUG\nstruct debug {\n    int level;\n};\n#endif\n"),
+]
+
+
+@pytest.mark.parametrize(("before", "after"), SHOWN, ids=["behind", "in one line"])
+def test_what_is_outside_of_the_struct_hides_no_member(before: str, after: str, tmp_path: Path) -> None:
+    assert HEADER.count(before) == 1
+    network = saved_network(tmp_path, HEADER.replace(before, after))
+    assert pipeline.generate(network, read_source, "c", 0)
 
 
 @pytest.mark.parametrize(("before", "after", "reason"), HIDDEN, ids=["directive", "macro", "typedef", "nameless"])

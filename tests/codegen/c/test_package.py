@@ -75,12 +75,17 @@ process Run {
 }
 process Main {
   in x : double @ 1 ms
-  out y : double @ 1 ms
-  communication { run : Run  m : Motor  x -> run.x  run.y -> c : double buffer 1 -> m.x  m.y -> y }
-  composition { run || (mu m) }
+  in button : bool
+  out y : double @ 1 ms safe NAME
+  communication {
+    var pressed : bool = false
+    run : Run  m : Motor  x -> run.x  run.y -> c : double buffer 1 -> m.x  m.y -> y
+  }
+  composition { (run || (mu m)) interrupt button ? pressed -> wait rest }
 }
-submodel World { out x : double  x = time / 1 s }
-environment Bench for Main { world : World  world.x -> x  y -> _ }
+submodel World { out x : double  out button : bool  x = time / 1 s  button = time > 1 s }
+environment Bench for Main { world : World  world.x -> x  world.button -> button  y -> _ }
+parameter rest = 1 ms
 """
 
 
@@ -91,6 +96,7 @@ environment Bench for Main { world : World  world.x -> x  y -> _ }
     [
         *("motor_reset", "motor_initialize", "motor_calculate", "run_step", "run_places", "run_class", "main_ports"),
         *("network_initialize", "network_program", "bench_environment_advance", "bench_environment_drivers"),
+        *("safe_y", "network_bring_button", "refuse", "follow", "set_parameters", "changed"),
     ],
 )
 def test_constants_may_be_called_like_functions_of_the_package(name: str, level: int, tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ def _member(declaration: str) -> Member:
     kind = body = ""
     rest = declaration
     if inner:
-        kind, body = inner[1], _braces(declaration, inner.end())
+        kind, body = inner[1], inside_braces(declaration, inner.end())
         rest = declaration[inner.end() + len(body) + 1 :]
     extents = tuple(re.findall(r"\[([^\]]*)\]", rest))
     plain = re.sub(r"\[[^\]]*\]|:\s*\d+\s*$", "", _QUALIFIER.sub("", rest)).strip()
@@ -77,7 +77,7 @@ class Layout:
         for text in headers:
             plain = _DIRECTIVE.sub("", without_comments(text))
             for found in _DEFINITION.finditer(plain):
-                self._bodies[found[2]] = (found[1], _braces(plain, found.end()))
+                self._bodies[found[2]] = (found[1], inside_braces(plain, found.end()))
 
     def definition(self, type_name: str) -> tuple[str, str]:
         """`struct`, `union` or `enum`, and what is between the braces; empty for other types, and unknown ones."""
@@ -128,7 +128,7 @@ class Layout:
         return size * self.count(member.extents), align
 
 
-def _braces(text: str, start: int) -> str:
+def inside_braces(text: str, start: int) -> str:
     """What is between the brace that ends at ``start`` and the one that closes it."""
     depth, at = 1, start
     while depth:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from cspdiag.codegen.c.interface.layout import without_comments
+from cspdiag.codegen.c.interface.layout import inside_braces, without_comments
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.media import Access
@@ -32,8 +32,8 @@ KINDS: dict[Access, str] = {
 """The kernel's constants for what a port of such a process is connected to."""
 
 _TYPE = r"\b(csp_(?:process|ends|in|out))\b(?!\s*\*)"
+_MACRO = re.compile(rf"^[ \t]*#[ \t]*define[ \t]+(?P<name>\w+)(?:\\\n|.)*?{_TYPE}", re.MULTILINE)
 _HIDDEN = {
-    "macro": re.compile(rf"^[ \t]*#[ \t]*define\b(?:\\\n|.)*?{_TYPE}", re.MULTILINE),
     "`typedef`": re.compile(rf"\btypedef\s+{_TYPE}"),
     "struct without a name": re.compile(rf"\btypedef\s+struct\s*\{{[^}}]*{_TYPE}"),
 }
@@ -52,14 +52,18 @@ def refuse_hidden_members(class_: ProcessClass, header: str, names: PackageNames
 
 
 def _hidden_members(struct: str, text: str) -> Iterator[tuple[int, str]]:
+    begun = re.search(rf"\bstruct\s+{struct}\s*\{{", text)
+    body = inside_braces(text, begun.end()) if begun else ""
+    for found in _MACRO.finditer(text):
+        if re.search(rf"\b{found['name']}\b", body):
+            yield _line(text, found.start(2)), f"a macro hides a member of the type `{found[2]}`"
     for what, pattern in _HIDDEN.items():
         for found in pattern.finditer(text):
             yield _line(text, found.start(1)), f"a {what} hides a member of the type `{found[1]}`"
-    begun = re.search(rf"\bstruct\s+{struct}\s*\{{", text)
-    if begun:
-        directive = _DIRECTIVE.search(text, begun.end(), max(text.find("\n}", begun.end()), begun.end()))
-        if directive:
-            yield _line(text, directive.end()), f"what members `struct {struct}` has depends on the preprocessor"
+    directive = _DIRECTIVE.search(body)
+    if begun and directive:
+        line = _line(text, begun.end() + directive.end())
+        yield line, f"what members `struct {struct}` has depends on the preprocessor"
 
 
 def _line(text: str, at: int) -> int:

@@ -122,7 +122,7 @@ _INTERFACE_CONSTANTS = words(
 
 _NETWORK_NAMES = words(
     """
-    external present brought port_table process_name channel_name exception_names copy_name
+    external present brought port_table process_name channel_name exception_names copy_name refuse follow set_parameters
     network_initialize network_set network_program network_drivers network_defaults network_variable_names
     network_process_names network_process_count network_process_kinds
     network_channel_names network_channel_sizes network_channel_count
@@ -140,7 +140,9 @@ PROCESS_LOCALS = words("process party progress condition numbers ports samples f
 ENVIRONMENT_LOCALS = INTEGRATION_LOCALS | words("program now present self state device value last")
 """Parameters and local variables of the functions of environments."""
 
-_LOCALS = PROCESS_LOCALS | ENVIRONMENT_LOCALS | words("number input context drivers hooks")
+_LOCALS = (
+    PROCESS_LOCALS | ENVIRONMENT_LOCALS | words("number input context drivers hooks before cause changed parameters")
+)
 """Parameters and local variables of generated functions, which would hide a constant of the program."""
 
 
@@ -150,7 +152,9 @@ _OWN = words(
     program reset set sizes slopes start step
     """
 )
-"""The last words of the functions and tables of a class or an environment, whose names begin with its name."""
+"""The last words of the functions and tables of a class or an environment, whose names begin with its name. Those of
+the network and of safe values end in names of ports, too.
+"""
 
 
 _KINDS = words("bool double float int8 int16 int32 int64 uint8 uint16 uint32 uint64 csp_time")
@@ -205,11 +209,12 @@ class PackageNames(Package):
         self._names.avoid(_LOCALS)
         kinds = (*_KINDS, *self.types.values())
         self._names.avoid(f"{verb}_{kind}" for verb in ("read", "write", "poll") for kind in kinds)
-        owners = tuple(f"{name}_" for name in ("network", *self.classes.values(), *self.environments.values()))
+        owners = tuple(f"{name}_" for name in (*self.classes.values(), *self.environments.values()))
         self._names.avoid(
             entry.name
             for entry in network.constants
-            if entry.name.startswith(owners) and entry.name.rpartition("_")[2] in _OWN
+            if entry.name.startswith(("network_", "safe_"))
+            or (entry.name.startswith(owners) and entry.name.rpartition("_")[2] in _OWN)
         )
         self.constants: Mapping[str, str] = {entry.name: self._names.fresh(entry.name) for entry in network.constants}
         members = Names()
