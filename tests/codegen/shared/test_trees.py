@@ -27,9 +27,13 @@ def test_only_the_length_of_an_expression_is_needed() -> None:
     [
         # Indexes in the names of instances, and hand-written modules.
         ("python", {"plain/instances.py", "plain/external.py"}),
-        # The structures of the kernel, whose sizes are computed from its headers, what files include, and what a linker
-        # sees of the kernel and of hand-written files.
-        ("c", {"interface/api.py", "interface/layout.py", "package/includes.py", "package/linkage.py"}),
+        # The structures of the kernel and of hand-written headers, whose sizes are computed from their text, what files
+        # include, and what a linker sees of the kernel and of hand-written files.
+        (
+            "c",
+            {"interface/api.py", "interface/layout.py", "interface/lengths.py", "package/includes.py"}
+            | {"package/linkage.py", "laws/by_hand.py", "process/leaves.py"},
+        ),
     ],
 )
 def test_patterns_are_for_names_and_files_of_others(language: str, parsing: set[str]) -> None:

@@ -9,10 +9,12 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.interface.lengths import Lengths
+from cspdiag.codegen.shared.target_error import TargetError
 
 _SCALARS = {
     "bool": 1, "char": 1, "int8_t": 1, "uint8_t": 1, "int16_t": 2, "uint16_t": 2, "int32_t": 4, "uint32_t": 4,
-    "float": 4, "int": 4, "unsigned": 4, "int64_t": 8, "uint64_t": 8, "double": 8,
+    "float": 4, "int64_t": 8, "uint64_t": 8, "double": 8,
 }  # fmt: skip
 _AS_POINTERS = frozenset({"size_t", "ptrdiff_t", "intptr_t", "uintptr_t", "csp_word"})
 _BY_HAND = 256
@@ -20,7 +22,9 @@ _BY_HAND = 256
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _DIRECTIVE = re.compile(r"^\s*#.*(?:\\\n.*)*$", re.MULTILINE)
 _DEFINITION = re.compile(r"\b(?:typedef\s+)?(struct|union|enum)\s+(\w+)\s*\{")
-_WORDS = re.compile(r"CSP_WORDS\((\d+)U?\)")
+_ALIAS = re.compile(r"\btypedef\s+((?:\w+\s+)+?)(\w+)\s*;")
+_INTEGER = frozenset({"signed", "unsigned", "char", "short", "int", "long"})
+"""The words of which the names of C's own integers are made."""
 _FUNCTION_POINTER = re.compile(r"\(\s*\*\s*(?:const\s+|volatile\s+)*(\w+)\s*\)")
 _QUALIFIER = re.compile(r"\b(?:const|volatile)\b")
 
@@ -62,7 +66,7 @@ def _member(declaration: str) -> Member:
     function = _FUNCTION_POINTER.search(rest)
     name = function[1] if function else re.findall(r"\w+", plain)[-1]
     type_name = " ".join(plain.removesuffix(name).split())
-    return Member(name, "" if inner else type_name, "*" in rest, extents, kind, body)
+    return Member(name, "" if inner else type_name, "*" in plain, extents, kind, body)
 
 
 class Layout:
@@ -70,12 +74,15 @@ class Layout:
 
     def __init__(self, headers: Iterable[str], constants: Mapping[str, int], pointer: int = 8) -> None:
         """``pointer``: the bytes of a pointer."""
-        self._constants = constants
         self._pointer = pointer
+        self._lengths = Lengths(constants, self._of_type)
+        self._aliases: dict[str, str] = {}
         self._bodies: dict[str, tuple[str, str]] = {}
         self._known: dict[str, tuple[int, int]] = {}
         for text in headers:
+            self._lengths.add(without_comments(text))
             plain = _DIRECTIVE.sub("", without_comments(text))
+            self._aliases |= {name: " ".join(type_name.split()) for type_name, name in _ALIAS.findall(plain)}
             for found in _DEFINITION.finditer(plain):
                 self._bodies[found[2]] = (found[1], inside_braces(plain, found.end()))
 
@@ -87,26 +94,44 @@ class Layout:
         """The bytes of a structure."""
         return self._of(name)[0]
 
-    def count(self, extents: Iterable[str]) -> int:
-        """The number of elements of an array: products of literals, constants and CSP_WORDS, which is largest for short
-        words.
-        """
+    def count(self, member: Member) -> int:
+        """The number of its elements. Raises TargetError for a length that is not understood."""
         product = 1
-        for extent in extents:
-            text = _WORDS.sub(lambda found: str(-(-int(found[1]) // 32)), extent)
-            for factor in re.findall(r"\w+", text):
-                number = re.fullmatch(r"(\d+)U?", factor)
-                product *= int(number[1]) if number else self._constants[factor]
+        for extent in member.extents:
+            length = self._lengths.value(extent)
+            if length is None:
+                raise TargetError(
+                    f"the number of elements of `{member.name}[{extent}]` in a header is not understood\n"
+                    "  help: write a number, or a constant that is computed from numbers"
+                )
+            product *= length
         return product
+
+    def _of_type(self, type_name: str) -> int:
+        return self._pointer if "*" in type_name else self._of(_unqualified(type_name))[0]
 
     def _of(self, name: str) -> tuple[int, int]:
         scalar = self._pointer if name in _AS_POINTERS else _SCALARS.get(name)
+        if scalar is None:
+            scalar = self._integer(name.split())
         if scalar is not None:
             return scalar, scalar
+        if name in self._aliases and name not in self._bodies:
+            return self._of(_unqualified(self._aliases[name]))
         if name not in self._known:
             kind, body = self._bodies.get(name, ("", ""))
             self._known[name] = (_BY_HAND, 8) if not kind else (4, 4) if kind == "enum" else self._members(kind, body)
         return self._known[name]
+
+    def _integer(self, words: list[str]) -> int | None:
+        """The bytes of an integer of C; None for another type."""
+        if not words or not _INTEGER.issuperset(words):
+            return None
+        if "char" in words:
+            return 1
+        if "short" in words:
+            return 2
+        return {0: 4, 1: self._pointer}.get(words.count("long"), 8)
 
     def _members(self, kind: str, body: str) -> tuple[int, int]:
         end, largest, alignment = 0, 1, 1
@@ -124,8 +149,12 @@ class Layout:
         elif member.is_pointer:
             size, align = self._pointer, self._pointer
         else:
-            size, align = self._of(re.sub(r"^(?:struct|union|enum|unsigned(?= int)) ", "", member.type))
-        return size * self.count(member.extents), align
+            size, align = self._of(_unqualified(member.type))
+        return size * self.count(member), align
+
+
+def _unqualified(type_name: str) -> str:
+    return re.sub(r"^(?:struct|union|enum) ", "", " ".join(_QUALIFIER.sub("", type_name).split()))
 
 
 def inside_braces(text: str, start: int) -> str:

@@ -86,7 +86,7 @@ class Pointers:
             yield from self._member(owner, path, member)
 
     def _member(self, owner: str, path: str, member: Member) -> Iterator[_Row]:
-        inside, whole = f"{path}{member.name}", self._layout.count(member.extents)
+        inside, whole = f"{path}{member.name}", self._layout.count(member)
         extents = [f"{extent}U" if extent.isdecimal() else extent for extent in member.extents]
         count = " * ".join(extents) if extents else "1U"
         if member.kind:

@@ -17,7 +17,7 @@ from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.native.build import CompilerError
 from tests.c_kernel.building import STRICT
-from tests.codegen.c.test_leaves import HEADER, NEEDS_COMPILER, SOURCE
+from tests.codegen.c.by_hand.test_leaves import HEADER, NEEDS_COMPILER, SOURCE
 from tests.codegen.c.test_package import COMPILERS, written
 
 MS = 1_000_000
@@ -209,7 +209,7 @@ def test_other_compilers_find_it_too(flags: list[str], tmp_path: Path) -> None:
     body = (
         'struct law {{ {type} level; }};\nCSP_REQUIRE_MEMBER(struct law, level, double, level_must_be_double, "no");\n'
     )
-    support = Path(__file__).parents[3] / "templates" / "c" / "support"
+    support = Path(__file__).parents[4] / "templates" / "c" / "support"
     for type_, expected in (("double", 0), ("float", 1)):
         source.write_text('#include "csp_by_hand.h"\n' + body.format(type=type_))
         command = [COMPILERS[0], *flags, f"-I{support}", "-fsyntax-only", str(source)]

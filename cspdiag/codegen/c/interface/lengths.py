@@ -1,0 +1,75 @@
+"""The lengths of arrays in headers, also those by hand: integer constant expressions of C, without a compiler."""
+
+from __future__ import annotations
+
+import ast
+import operator
+import re
+from collections.abc import Callable, Mapping
+
+_DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]+((?:\\\n|[^\n])+)$", re.MULTILINE)
+_ENUM = re.compile(r"\benum\s*\w*\s*\{([^}]*)\}")
+_SIZEOF = re.compile(r"\bsizeof\s*\(([^()]*)\)")
+_WORDS = re.compile(r"\bCSP_WORDS\(([^()]*)\)")
+_NAME = re.compile(r"\b[A-Za-z_]\w*\b")
+_SUFFIX = re.compile(r"\b(0[xX][0-9a-fA-F]+|\d+)[uUlL]+\b")
+
+
+def _shifted(number: int, bits: int) -> int:
+    if bits >= 64:
+        raise ValueError(bits)
+    return number << bits
+
+
+_BINARY: Mapping[type[ast.operator], Callable[[int, int], int]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod, ast.LShift: _shifted, ast.RShift: operator.rshift,
+    ast.BitAnd: operator.and_, ast.BitOr: operator.or_, ast.BitXor: operator.xor,
+}  # fmt: skip
+_DEEPEST = 32
+"""Constants that are defined by others, one inside the other."""
+_LONGEST = 10_000
+"""Characters of an expression."""
+
+
+class Lengths:
+    """The constants that headers define as macros or in enumerations. ``size`` gives the bytes of a type."""
+
+    def __init__(self, constants: Mapping[str, int], size: Callable[[str], int]) -> None:
+        self._texts = {name: str(value) for name, value in constants.items()}
+        self._size = size
+
+    def add(self, text: str) -> None:
+        """Add those of a header without comments."""
+        for name, body in _DEFINE.findall(text):
+            self._texts[name] = body.replace("\\\n", " ").strip()
+        for (body,) in ((found[1],) for found in _ENUM.finditer(text)):
+            before = "-1"
+            for entry in filter(None, (part.strip() for part in body.split(","))):
+                name, _, value = (part.strip() for part in entry.partition("="))
+                self._texts[name] = f"({value})" if value else f"({before} + 1)"
+                before = name
+
+    def value(self, text: str) -> int | None:
+        """Of an expression; None if it is not understood. CSP_WORDS is that of words of 32 bits, the largest."""
+        for _ in range(_DEEPEST):
+            text = _NAME.sub(lambda found: self._texts.get(found[0], found[0]), text)
+            if len(text) > _LONGEST:
+                return None
+        plain = _WORDS.sub(r"((\1 + 31) / 32)", _SUFFIX.sub(r"\1", text))
+        plain = _SIZEOF.sub(lambda found: str(self._size(found[1].strip())), plain).replace("/", "//")
+        try:
+            return _computed(ast.parse(plain.strip(), mode="eval").body)
+        except (SyntaxError, ValueError, ArithmeticError):
+            return None
+
+
+def _computed(node: ast.expr) -> int:
+    match node:
+        case ast.Constant(value=int() as number):
+            return number
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return -_computed(operand)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
+            return _BINARY[type(op)](_computed(left), _computed(right))
+    raise ValueError(ast.dump(node))
