@@ -191,7 +191,7 @@ class _NetworkFiles:
     def _bring_declarations(self) -> list[str]:
         if not self._events:
             return []
-        rows = ["/* An interrupt handler brings an event; the latest counts. True: one before it has not been read. */"]
+        rows = ["/* An interrupt handler brings an event; the latest counts. True: one before it is unread. */"]
         for port in self._events:
             rows += signature(*self._bring_signature(port, self._members()), ";")
         return [*rows, ""]

@@ -47,7 +47,7 @@ struct network_drivers {
 void network_initialize(struct network *self, const struct network_drivers *drivers,
     const csp_hooks *hooks);
 
-/* An interrupt handler brings an event; the latest counts. True: one before it has not been read. */
+/* An interrupt handler brings an event; the latest counts. True: one before it is unread. */
 bool network_bring_panel(struct network *self, enum emergency_button value);
 
 extern const csp_program network_program;

@@ -64,7 +64,7 @@ bool network_set(struct network *self, const struct jiwy_parameters *parameters)
 /* The values of the text. */
 extern const struct jiwy_parameters network_defaults;
 
-/* An interrupt handler brings an event; the latest counts. True: one before it has not been read. */
+/* An interrupt handler brings an event; the latest counts. True: one before it is unread. */
 bool network_bring_joystick_buttons(struct network *self, int64_t value);
 
 extern const csp_program network_program;
