@@ -80,8 +80,9 @@ class Layout:
         self._bodies: dict[str, tuple[str, str]] = {}
         self._known: dict[str, tuple[int, int]] = {}
         for text in headers:
-            self._lengths.add(without_comments(text))
-            plain = _DIRECTIVE.sub("", without_comments(text))
+            uncommented = without_comments(text)
+            self._lengths.add(uncommented)
+            plain = _DIRECTIVE.sub("", uncommented)
             self._aliases |= {name: " ".join(type_name.split()) for type_name, name in _ALIAS.findall(plain)}
             for found in _DEFINITION.finditer(plain):
                 self._bodies[found[2]] = (found[1], inside_braces(plain, found.end()))

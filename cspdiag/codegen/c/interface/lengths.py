@@ -53,7 +53,9 @@ class Lengths:
     def value(self, text: str) -> int | None:
         """Of an expression; None if it is not understood. CSP_WORDS is that of words of 32 bits, the largest."""
         for _ in range(_DEEPEST):
-            text = _NAME.sub(lambda found: self._texts.get(found[0], found[0]), text)
+            before, text = text, _NAME.sub(lambda found: self._texts.get(found[0], found[0]), text)
+            if text == before:
+                break
             if len(text) > _LONGEST:
                 return None
         plain = _WORDS.sub(r"((\1 + 31) / 32)", _SUFFIX.sub(r"\1", text))
