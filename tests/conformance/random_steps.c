@@ -70,7 +70,7 @@ static struct network again;
 /* A copy of the state without pointers. */
 static void save(struct network *to, const struct network *from)
 {
-    csp_pointer_visit visits[NETWORK_DEPTH];
+    csp_pointer_visit visits[CSP_NETWORK_DEPTH];
     const csp_saved_places places = {from, sizeof *from, &network_program};
     (void)memcpy(to, from, sizeof *from);
     csp_save_pointers(to, &network_pointers, visits, places);
@@ -79,7 +79,7 @@ static void save(struct network *to, const struct network *from)
 /* Moves the state to another address; returns the kernel there. */
 static csp_kernel *moved(struct network *to, struct network *from)
 {
-    csp_pointer_visit visits[NETWORK_DEPTH];
+    csp_pointer_visit visits[CSP_NETWORK_DEPTH];
     const csp_saved_places places = {to, sizeof *to, &network_program};
     save(&copy, from);
     (void)memset(from, 0xA5, sizeof *from);

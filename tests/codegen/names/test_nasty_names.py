@@ -279,7 +279,13 @@ def test_events_with_names_of_the_interface_have_functions_with_a_number() -> No
     assert {"top_stop_2", "top_begin_2", "top_level", "top_Level", "top_LEVEL", "top_class", "top_int"} <= {*functions}
 
 
-@pytest.mark.parametrize("file", ["csp", "csp_event", "CSP", "int", "network", "main", "types", "m", "csp_core"])
+@pytest.mark.parametrize(
+    "file",
+    [
+        "csp", "csp_event", "CSP", "int", "network", "main", "types", "m", "csp_core",
+        "connect", "safe", "write", "read", "poll", "attach", "initialize", "set", "copy",
+    ],
+)  # fmt: skip
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
 def test_programs_with_the_names_of_files_and_of_the_kernel(file: str) -> None:
     names = {role: f"{role[:1]}{number}q" for number, role in enumerate(ROLES)} | {
@@ -295,6 +301,18 @@ def test_programs_with_the_names_of_files_and_of_the_kernel(file: str) -> None:
 def test_no_name_breaks_what_is_generated(seed: int, level: int) -> None:
     file, text = next(programs(seed))
     assert complaints(file, text, level) == "", text
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
+def test_ports_with_names_of_functions_of_their_class_and_of_the_network() -> None:
+    names = {role: f"{role[:1]}{number}q" for number, role in enumerate(ROLES)} | {
+        "inner": "Inner",
+        "drive": "inner_initialize",
+        "level": "NETWORK_FUNCTIONS",
+        "lamp": "network_process_count",
+        "field": "NETWORK_DEPTH",
+    }
+    assert complaints("connect", PROGRAM.format(**names), 0) == ""
 
 
 CONSTANTS = """

@@ -110,6 +110,18 @@ class Interface:
         return {port.key: self.names.public(port.key) for port in self.events}
 
     @cached_property
+    def functions(self) -> Mapping[str, str]:
+        """The functions behind the ports, by the keys of these."""
+        brought = self.bringers  # these are named first, because users see them
+        verbs = {"in": "read", "out": "write"}
+        return {
+            port.key: self.names.internal(
+                f"{'poll' if port.key in brought else verbs[port.direction]}_{self.members[port.key]}"
+            )
+            for port in (*self.inputs, *self.events, *self.outputs)
+        }
+
+    @cached_property
     def literals(self) -> Mapping[str, str]:
         """The constants that name inputs, outputs and events, by the keys of their ports."""
         kinds = [*((port, "IN") for port in self.inputs), *((port, "OUT") for port in self.outputs)]
@@ -251,7 +263,7 @@ class Interface:
     def _reader(self, port: ExternalPort) -> list[str]:
         place, name = self.places[port.key], self.prefix
         return [
-            f"static bool read_{self.members[port.key]}(void *device, void *value)",
+            f"static bool {self.functions[port.key]}(void *device, void *value)",
             "{",
             f"    {name}_instance *const self = device;",
             f"    return sample_input(self, {self.literals[port.key]}, value,",
@@ -261,7 +273,7 @@ class Interface:
 
     def _poller(self, port: ExternalPort) -> list[str]:
         return [
-            f"static bool poll_{self.members[port.key]}(void *device, void *value)",
+            f"static bool {self.functions[port.key]}(void *device, void *value)",
             "{",
             f"    const {self.prefix}_instance *const self = device;",
             "    return (self->hooks.poll != NULL)",
@@ -272,7 +284,7 @@ class Interface:
     def _writer(self, port: ExternalPort) -> list[str]:
         place, name = self.places[port.key], self.prefix
         return [
-            f"static void write_{self.members[port.key]}(void *device, const void *value)",
+            f"static void {self.functions[port.key]}(void *device, const void *value)",
             "{",
             f"    {name}_instance *const self = device;",
             f"    actuate_output(self, {self.literals[port.key]}, value,",
@@ -302,13 +314,12 @@ class Interface:
         if port.medium == "event":
             polled = conditional(
                 infix("!=", EQUALITY, code("self->hooks.poll"), code("NULL")),
-                code(f"poll_{self.members[port.key]}"),
+                code(self.functions[port.key]),
                 code("NULL"),
             )
             return Aggregate(((".device", code("self")), (".read", polled)))
         verb = "write" if port.direction == "out" else "read"
-        function = code(f"{verb}_{self.members[port.key]}")
-        return Aggregate(((".device", code("self")), (f".{verb}", function)))
+        return Aggregate(((".device", code("self")), (f".{verb}", code(self.functions[port.key]))))
 
 
 def interface_files(

@@ -58,10 +58,10 @@ class Pointers:
         guard = f"{FILE.upper()}_H"
         rows = [*comment(["Where the pointers of struct network are."]), f"#ifndef {guard}", f"#define {guard}", ""]
         rows += ['#include "csp_saved.h"', "", "/* How many structures are inside each other at most. */"]
-        rows += [f"#define NETWORK_DEPTH {self.depth}U", f"extern const csp_pointers {FILE};", ""]
+        rows += [f"#define CSP_NETWORK_DEPTH {self.depth}U", f"extern const csp_pointers {FILE};", ""]
         rows += ["/* Some functions of the image: in another one, their distances are different. */"]
-        rows += [f"#define NETWORK_FUNCTIONS {len(self._classes) + 1}U"]
-        rows += ["extern csp_function *const network_functions[NETWORK_FUNCTIONS];"]
+        rows += [f"#define CSP_NETWORK_FUNCTIONS {len(self._classes) + 1}U"]
+        rows += ["extern csp_function *const network_functions[CSP_NETWORK_FUNCTIONS];"]
         return "\n".join([*rows, "", "#endif", ""])
 
     # ---- Finding them
@@ -103,7 +103,7 @@ class Pointers:
     def _functions(self) -> Iterator[Statement]:
         names = ["csp_advance", *(f"{name}_initialize" for name in self._classes)]
         entries = tuple((None, cast("csp_function *", code(name))) for name in names)
-        yield store("csp_function *const network_functions[NETWORK_FUNCTIONS]", Aggregate(entries))
+        yield store("csp_function *const network_functions[CSP_NETWORK_FUNCTIONS]", Aggregate(entries))
 
     def _tables(self, table: str, members: list[_Row]) -> Iterator[Statement]:
         rows = Aggregate(tuple((None, self._row(row)) for row in members))

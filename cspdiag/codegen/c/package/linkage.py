@@ -83,16 +83,17 @@ def _external(sources: Iterable[str], headers: Iterable[str]) -> set[str]:
     return found | {name for text in headers for one in _declarations(text) for name in one.names}
 
 
-def names_header(package: str, sources: Iterable[str], headers: Iterable[str], taken: Iterable[str] = ()) -> str:
-    """The header, for what ``sources`` define and the ``headers`` of the kernel declare; no new name is among
-    ``taken``.
+def names_header(package: str, sources: Iterable[str], headers: Iterable[str]) -> str:
+    """The header, for what ``sources`` define and the ``headers`` of the kernel declare; no new name is in use there
+    (``static void connect_motor(void)`` of a package called ``connect``).
     """
     prefix, declaring = f"{package}_", list(headers)
     texts = [_NAMES_IN_TABLE.sub("", text) for text in sources]
     macros = {name for text in (*texts, *declaring) for name in _MACRO.findall(text)}
     external = _external(texts, declaring) - {"main"}
     kept = {name for name in external if name.startswith(prefix)}
-    distinct = DistinctNames({*kept, *taken})
+    own = re.compile(rf"\b{prefix}\w+")
+    distinct = DistinctNames(name for text in (*texts, *declaring) for name in own.findall(text))
     new = {name: _fresh(f"{prefix}{name}", distinct) for name in sorted(external - kept)}
     about = f"To the linker, names begin with {prefix}: programs with kernels of their own then fit in one image."
     licence = "/* SPDX-License-Identifier: 0BSD */"

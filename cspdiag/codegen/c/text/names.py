@@ -227,6 +227,10 @@ class PackageNames(Package):
         """A new name of a type or a function that users of the program see."""
         return self._names.fresh(f"{self.prefix}_{as_one_word(name)}")
 
+    def internal(self, name: str) -> str:
+        """A new name of a function that only its own file sees."""
+        return self._names.fresh(name)
+
     def public_constant(self, name: str) -> str:
         """The same of a constant, in upper case."""
         return self._names.fresh(f"{self.prefix}_{as_one_word(name)}".upper())

@@ -9,7 +9,7 @@
 #include "prefix.h"
 #include "successor.h"
 
-csp_function *const network_functions[NETWORK_FUNCTIONS] = {
+csp_function *const network_functions[CSP_NETWORK_FUNCTIONS] = {
     (csp_function *)csp_advance, (csp_function *)commstime_initialize,
     (csp_function *)consumer_initialize, (csp_function *)delta_initialize,
     (csp_function *)prefix_initialize, (csp_function *)successor_initialize

@@ -2,6 +2,8 @@
  *
  * See emergency_api.h.
  */
+#include "csp_config.h" /* first: what it renames is renamed in every header */
+
 #include "emergency_api.h"
 
 #include "csp_shared.h"
@@ -309,7 +311,7 @@ static uint32_t identity(void)
         (uintptr_t)network_program.ports - (uintptr_t)&network_program,
         (uintptr_t)&network_pointers - (uintptr_t)&network_program};
     sum = csp_checksum(sum, fixed, sizeof fixed);
-    for (uint32_t index = 0U; index < NETWORK_FUNCTIONS; index++) {
+    for (uint32_t index = 0U; index < CSP_NETWORK_FUNCTIONS; index++) {
         uintptr_t distance = 0U;
         (void)memcpy(&distance, &network_functions[index], sizeof distance);
         distance -= (uintptr_t)&network_program;
@@ -334,7 +336,7 @@ static csp_saved_places places_of(const emergency_instance *self)
 void emergency_save(const emergency_instance *self, emergency_memory *copy)
 {
     emergency_instance *const saved = (void *)copy;
-    csp_pointer_visit visits[NETWORK_DEPTH];
+    csp_pointer_visit visits[CSP_NETWORK_DEPTH];
     (void)memset(copy, 0, sizeof *copy);
     if (!is_begun(self)) {
         return;
@@ -353,7 +355,7 @@ bool emergency_restore(emergency_instance *self, const emergency_memory *copy)
 {
     const emergency_instance *const saved = (const void *)copy;
     csp_kernel *const csp = &self->network.kernel;
-    csp_pointer_visit visits[NETWORK_DEPTH];
+    csp_pointer_visit visits[CSP_NETWORK_DEPTH];
     if (saved->checksum != checksum_of(saved)) {
         return false;
     }

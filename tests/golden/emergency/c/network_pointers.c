@@ -6,7 +6,7 @@
 #include "spindle.h"
 #include "spindle_controller.h"
 
-csp_function *const network_functions[NETWORK_FUNCTIONS] = {
+csp_function *const network_functions[CSP_NETWORK_FUNCTIONS] = {
     (csp_function *)csp_advance, (csp_function *)spindle_initialize,
     (csp_function *)spindle_controller_initialize
 };

@@ -6,7 +6,7 @@
 #include "jiwy.h"
 #include "joint_control.h"
 
-csp_function *const network_functions[NETWORK_FUNCTIONS] = {
+csp_function *const network_functions[CSP_NETWORK_FUNCTIONS] = {
     (csp_function *)csp_advance, (csp_function *)jiwy_initialize,
     (csp_function *)joint_control_initialize
 };

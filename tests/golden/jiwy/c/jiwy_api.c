@@ -2,6 +2,8 @@
  *
  * See jiwy_api.h.
  */
+#include "csp_config.h" /* first: what it renames is renamed in every header */
+
 #include "jiwy_api.h"
 
 #include "csp_shared.h"
@@ -360,7 +362,7 @@ static uint32_t identity(void)
         (uintptr_t)network_program.ports - (uintptr_t)&network_program,
         (uintptr_t)&network_pointers - (uintptr_t)&network_program};
     sum = csp_checksum(sum, fixed, sizeof fixed);
-    for (uint32_t index = 0U; index < NETWORK_FUNCTIONS; index++) {
+    for (uint32_t index = 0U; index < CSP_NETWORK_FUNCTIONS; index++) {
         uintptr_t distance = 0U;
         (void)memcpy(&distance, &network_functions[index], sizeof distance);
         distance -= (uintptr_t)&network_program;
@@ -385,7 +387,7 @@ static csp_saved_places places_of(const jiwy_instance *self)
 void jiwy_save(const jiwy_instance *self, jiwy_memory *copy)
 {
     jiwy_instance *const saved = (void *)copy;
-    csp_pointer_visit visits[NETWORK_DEPTH];
+    csp_pointer_visit visits[CSP_NETWORK_DEPTH];
     (void)memset(copy, 0, sizeof *copy);
     if (!is_begun(self)) {
         return;
@@ -404,7 +406,7 @@ bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy)
 {
     const jiwy_instance *const saved = (const void *)copy;
     csp_kernel *const csp = &self->network.kernel;
-    csp_pointer_visit visits[NETWORK_DEPTH];
+    csp_pointer_visit visits[CSP_NETWORK_DEPTH];
     if (saved->checksum != checksum_of(saved)) {
         return false;
     }

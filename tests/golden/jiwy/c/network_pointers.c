@@ -11,7 +11,7 @@
 #include "position_controller.h"
 #include "velocity_controller.h"
 
-csp_function *const network_functions[NETWORK_FUNCTIONS] = {
+csp_function *const network_functions[CSP_NETWORK_FUNCTIONS] = {
     (csp_function *)csp_advance, (csp_function *)align_initialize,
     (csp_function *)homing_initialize, (csp_function *)jiwy_initialize,
     (csp_function *)joint_control_initialize, (csp_function *)motion_control_initialize,

@@ -6,11 +6,11 @@
 #include "csp_saved.h"
 
 /* How many structures are inside each other at most. */
-#define NETWORK_DEPTH 8U
+#define CSP_NETWORK_DEPTH 8U
 extern const csp_pointers network_pointers;
 
 /* Some functions of the image: in another one, their distances are different. */
-#define NETWORK_FUNCTIONS 8U
-extern csp_function *const network_functions[NETWORK_FUNCTIONS];
+#define CSP_NETWORK_FUNCTIONS 8U
+extern csp_function *const network_functions[CSP_NETWORK_FUNCTIONS];
 
 #endif
