@@ -47,14 +47,16 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
             staging.put_in_place()
 
 
-def replace_files(files: Mapping[str, bytes]) -> None:
-    """Write the contents of files, by path.
+def replace_files(files: Mapping[str, bytes], folder: str | os.PathLike[str] | None = None) -> None:
+    """Write the contents of files, by path; ``folder`` is made if it is not there, and stays only with them.
 
     All are first written next to their destinations, so none changes if one cannot be written, and then moved there,
     which no signal interrupts.
     Symbolic links keep their targets, files keep their permissions. Raises OSError with the given name.
     """
     with signals_raised(), _Staging() as staging:
+        if folder is not None:
+            staging.make_folder(os.fspath(folder))
         for path, data in files.items():
             with staging.opened(path) as file:
                 file.write(data)
@@ -69,9 +71,17 @@ class _Staging:
     def __init__(self) -> None:
         self._temporary: dict[str, tuple[str, str]] = {}
         self._path = ""
+        self._made = ""
 
     def __enter__(self) -> Self:
         return self
+
+    def make_folder(self, path: str) -> None:
+        """Make the folder of the files unless it is there."""
+        self._path = path
+        with signals_held(), suppress(FileExistsError):
+            os.mkdir(path)
+            self._made = path
 
     @contextmanager
     def opened(self, path: str) -> Iterator[BinaryIO]:
@@ -102,6 +112,9 @@ class _Staging:
             for temporary, _ in self._temporary.values():
                 with suppress(FileNotFoundError):
                     os.unlink(temporary)
+            if self._made:
+                with suppress(OSError):  # With files in it, it stays.
+                    os.rmdir(self._made)
         if isinstance(problem, OSError):
             raise OSError(problem.errno, problem.strerror, self._path) from None
 

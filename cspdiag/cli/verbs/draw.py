@@ -200,14 +200,14 @@ def _write_graph(arguments: Namespace) -> int:
         return FINE
     ending = next(ending for ending, known in exchange.ENDINGS.items() if known == format_)
     own_name = f"{graph.graph['name']}.{ending}"
-    if _is_folder(arguments):
-        _folder(arguments).mkdir(exist_ok=True)
-        name = str(_folder(arguments) / own_name)
-    else:
-        name = arguments.output or own_name
+    folder = _folder(arguments) if _is_folder(arguments) else None
+    name = arguments.output or own_name if folder is None else os.fspath(folder / own_name)
     if name != arguments.output:
         _refuse_link(Path(name))
-    _write(Path(name), data)
+    if folder is None:
+        _write(Path(name), data)
+    else:
+        _write_in_folder(folder, {Path(name): data})
     say(f"wrote {on_one_line(name)}")
     return FINE
 
@@ -361,15 +361,18 @@ def _rendered(scenes: Sequence[Scene], format_: str, arguments: Namespace) -> by
 
 
 def _write_folder(folder: Path, files: Mapping[str, bytes], format_: str) -> None:
-    from cspdiag.base.files.whole import replace_files
-
-    folder.mkdir(exist_ok=True)
     places = {folder / f"{name}.{format_}": data for name, data in files.items()}
     for place in places:
         _refuse_link(place)
-    replace_files({os.fspath(place): data for place, data in places.items()})
+    _write_in_folder(folder, places)
     pictures = "1 picture" if len(files) == 1 else f"{len(files)} pictures"
     say(f"wrote {pictures} to {on_one_line(folder)}")
+
+
+def _write_in_folder(folder: Path, files: Mapping[Path, bytes]) -> None:
+    from cspdiag.base.files.whole import replace_files
+
+    replace_files({os.fspath(path): data for path, data in files.items()}, folder)
 
 
 def _refuse_link(path: Path) -> None:

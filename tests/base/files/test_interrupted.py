@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from cspdiag.base.files.whole import replace_files
+
 ROOT = Path(__file__).parents[3]
 
 SIGNALLED = """\
@@ -135,3 +137,14 @@ def test_a_signal_between_two_handlers_ends_the_process(tmp_path: Path) -> None:
     assert len(codes) > 20
     assert {*texts} == {b"before", b"whole"}
     assert texts == sorted(texts)
+
+
+def test_a_new_folder_does_not_stay_empty(tmp_path: Path) -> None:
+    folder = tmp_path / "new"
+    with pytest.raises(FileNotFoundError):
+        replace_files({f"{folder}/first": b"1", f"{folder}/missing/second": b"2"}, folder)
+    assert not folder.exists()
+    replace_files({f"{folder}/first": b"1"}, folder)
+    with pytest.raises(FileNotFoundError):
+        replace_files({f"{folder}/first": b"3", f"{folder}/missing/second": b"2"}, folder)
+    assert contents(folder) == {"first": b"1"}

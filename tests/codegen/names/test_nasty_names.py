@@ -316,6 +316,8 @@ def test_ports_with_names_of_functions_of_their_class_and_of_the_network() -> No
 
 
 CONSTANTS = """
+parameter qgain : double = {sum}
+const qfollows = qgain + {sum}
 submodel Qlaw(qk: double) {{
   in  qx : double
   out qy : double
@@ -335,7 +337,7 @@ process Qinner(qn: double) {{
     qx -> qlaw.qx
     qlaw.qy -> qy
   }}
-  composition {{ (seq qi < 2 : (qz ! qv + {sum} ; qv := qv + qn)) ; mu qlaw }}
+  composition {{ (seq qi < 2 : (qz ! qv + {sum} + qfollows ; qv := qv + qn)) ; mu qlaw }}
 }}
 process Qouter {{
   in  qx : double @ 2 ms
@@ -365,7 +367,7 @@ def names_in_functions() -> Iterator[str]:
             for level in (0, 1):
                 for path, text in pipeline.generate(network(name), read, target, level).items():
                     if path.endswith((".c", ".py")) and not {"support", "runtime"} & {*Path(path).parts}:
-                        yield from re.findall(r"\b[a-z_]\w*\b", text)
+                        yield from re.findall(r"\b[A-Za-z_]\w*\b", text)
 
 
 def allowed_as_constants(names: set[str]) -> list[str]:
@@ -381,8 +383,8 @@ def allowed_as_constants(names: set[str]) -> list[str]:
 
 def test_constants_have_their_values_however_they_are_called(tmp_path: Path) -> None:
     """Whatever names functions have: a constant of this name is not hidden by them."""
-    constants = allowed_as_constants({*names_in_functions()})
-    assert {"h", "now", "name", "k1", "party", "progress", "slopes"} <= {*constants}
+    constants = allowed_as_constants({*names_in_functions(), "Parameter", "Parameters", "ProgramParameters"})
+    assert {"h", "now", "name", "k1", "party", "progress", "slopes", "ProgramParameters"} <= {*constants}
     declarations = "".join(f"const {name} = {number}.0\n" for number, name in enumerate(constants, 1))
     parts = [" + ".join(constants[start : start + 40]) for start in range(0, len(constants), 40)]
     total = f"({' + '.join(f'({part})' for part in parts)}) / 1000000"

@@ -83,13 +83,14 @@ class ParametersModule:
     """The values for its template."""
 
     imports: list[str]
+    head: str
     functions: list[list[str]]
 
 
 def parameters_module(network: Network, names: PackageNames) -> ParametersModule:
     """The module ``parameters``."""
     imports = Imports(names)
-    imports.runtime("ProgramParameters")
+    head = f"class Parameters({imports.runtime('ProgramParameters')}):"
     statements: list[Statement] = [run(call(call("super").field("__init__")))]
     followed: list[Statement] = []
     printer = Printer(imports, program=SELF)
@@ -104,7 +105,7 @@ def parameters_module(network: Network, names: PackageNames) -> ParametersModule
     if followed:
         doc = "Compute the constants that follow from the parameters."
         functions.append(Function("follow", ("self",), tuple(followed), doc=doc))
-    return ParametersModule(imports=imports.lines(), functions=methods(functions, imports))
+    return ParametersModule(imports=imports.lines(), head=head, functions=methods(functions, imports))
 
 
 def _made(parameter: ProgramParameter, imports: Imports) -> Call:
