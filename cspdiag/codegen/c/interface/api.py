@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from zlib import crc32
 
@@ -325,20 +325,23 @@ class Interface:
 def interface_files(
     interface: Interface,
     files: Mapping[str, str],
-    headers: Iterable[str],
+    headers: Mapping[str, str],
     render: Render,
 ) -> dict[str, str]:
-    """The header and the source; ``files`` identify the program, ``headers`` are all headers of package and kernel."""
+    """The header and the source; ``files`` identify the program, ``headers`` are all headers of package and kernel,
+    by path.
+    """
     processes = _number("network_process_count = ", files["network_names.c"])
     first = interface.text((0, 0), "", processes)
-    texts = [*headers, render("api.h.j2", api=first), first.instance]
+    own_header = f"{first.name}_api.h"
+    texts = {**headers, own_header: render("api.h.j2", api=first), f"{first.name}_api.c": first.instance}
     constants = {"CSP_LEVELS": _number("#define CSP_LEVELS ", files["csp_config.h"]), "CSP_DEEPEST": DEEPEST}
-    layout, small = Layout(texts, constants), Layout(texts, constants, pointer=4)
+    layout = Layout(texts, constants)
     instance = f"{first.name}_instance"
     build = crc32("\0".join(text for _, text in sorted(files.items())).encode())
-    api = interface.text((layout.size(instance), small.size(instance)), f"{build:08x}", processes)
+    api = interface.text((layout.size(instance), layout.size(instance, pointer=4)), f"{build:08x}", processes)
     classes = {name for name in interface.names.classes.values() if f"{name}.h" in files}
-    own = {f"{api.name}_api.h": render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
+    own = {own_header: render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
     return {**own, **pointer_files(layout, classes)}
 
 

@@ -7,11 +7,13 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 
-_DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]+((?:\\\n|[^\n])+)$", re.MULTILINE)
+_DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(?![\w(])[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
 _ENUM = re.compile(r"\benum\s*\w*\s*\{([^}]*)\}")
 _SIZEOF = re.compile(r"\bsizeof\s*\(([^()]*)\)")
 _WORDS = re.compile(r"\bCSP_WORDS\(([^()]*)\)")
 _NAME = re.compile(r"\b[A-Za-z_]\w*\b")
+_OCTAL = re.compile(r"(?<![\w.])0[0-7]+\b")
+_CHARACTER = re.compile(r"'([^'\\])'")
 _SUFFIX = re.compile(r"\b(0[xX][0-9a-fA-F]+|\d+)[uUlL]+\b")
 
 
@@ -37,18 +39,23 @@ class Lengths:
 
     def __init__(self, constants: Mapping[str, int], size: Callable[[str], int]) -> None:
         self._texts = {name: str(value) for name, value in constants.items()}
+        self._macros: dict[str, str] = {}
         self._size = size
 
     def add(self, text: str) -> None:
         """Add those of a header without comments."""
         for name, body in _DEFINE.findall(text):
-            self._texts[name] = body.replace("\\\n", " ").strip()
+            self._macros[name] = self._texts[name] = body.replace("\\\n", " ").strip()
         for (body,) in ((found[1],) for found in _ENUM.finditer(text)):
             before = "-1"
             for entry in filter(None, (part.strip() for part in body.split(","))):
                 name, _, value = (part.strip() for part in entry.partition("="))
                 self._texts[name] = f"({value})" if value else f"({before} + 1)"
                 before = name
+
+    def macro(self, name: str) -> str | None:
+        """The text of a macro without arguments."""
+        return self._macros.get(name)
 
     def value(self, text: str) -> int | None:
         """Of an expression; None if it is not understood. CSP_WORDS is that of words of 32 bits, the largest."""
@@ -59,6 +66,8 @@ class Lengths:
             if len(text) > _LONGEST:
                 return None
         plain = _WORDS.sub(r"((\1 + 31) / 32)", _SUFFIX.sub(r"\1", text))
+        plain = _OCTAL.sub(lambda found: str(int(found[0], 8)), plain)
+        plain = _CHARACTER.sub(lambda found: str(ord(found[1])), plain)
         plain = _SIZEOF.sub(lambda found: str(self._size(found[1].strip())), plain).replace("/", "//")
         try:
             return _computed(ast.parse(plain.strip(), mode="eval").body)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from math import prod
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.interface.layout import Layout, Member, members_of
+from cspdiag.codegen.c.interface.declarations import Array, CType, Function, Named, NotUnderstood, Pointer, Structure
+from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.text.code import Aggregate, Code, call, cast, code, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.statements import Blank, Statement, lines, store
+from cspdiag.codegen.shared.target_error import TargetError
 
 FILE = "network_pointers"
 _TOP = "struct network"
@@ -70,33 +73,54 @@ class Pointers:
         """The depth of a structure, 0 if it has no pointers."""
         table = _table(type_name)
         if table not in self._depths:
-            kind, body = self._layout.definition(type_name)
-            rows = list(self._members(type_name, "", kind, body)) if kind in ("struct", "union") else []
+            type_ = self._layout.resolved(Named(type_name))
+            rows = list(self._members(type_name, "", type_)) if isinstance(type_, Structure) else []
             below = max((self._depths[_table(row.type)] for row in rows if row.type), default=0)
             self._rows[table] = rows
             self._depths[table] = below + 1 if rows else 0
         return self._depths[table]
 
-    def _members(self, owner: str, path: str, kind: str, body: str) -> Iterator[_Row]:
-        """In a union of pointers, the first represents all of them; other unions are values, which have no pointers."""
-        members = list(members_of(body))
-        if kind == "union":
-            members = members[:1] if all(member.is_pointer for member in members) else []
+    def _members(self, owner: str, path: str, type_: Structure) -> Iterator[_Row]:
+        """In a union of pointers, the first represents all of them."""
+        members = type_.members
+        if type_.kind == "union" and all(isinstance(self._layout.resolved(one.type), Pointer) for one in members):
+            members = members[:1]
         for member in members:
-            yield from self._member(owner, path, member)
+            if (owner, member.name) == _HOOKS:
+                continue
+            rows = list(self._member(owner, f"{path}{member.name}", member.type, ()))
+            if rows and member.condition:
+                raise TargetError(
+                    f"{self._layout.path(owner)}:{member.condition}: whether `{owner}` has `{member.name}`, with a "
+                    "pointer, depends on the preprocessor\n"
+                    "  help: declare it without a condition, so that states can be saved"
+                )
+            if rows and type_.kind == "union" and len(members) > 1:
+                raise TargetError(
+                    f"{self._layout.path(owner)}: whether the union in `{owner}` holds the pointer `{rows[0].path}` or "
+                    "something else is not known\n"
+                    "  help: declare the members one after the other, so that states can be saved"
+                )
+            yield from rows
 
-    def _member(self, owner: str, path: str, member: Member) -> Iterator[_Row]:
-        inside, whole = f"{path}{member.name}", self._layout.count(member)
-        extents = [f"{extent}U" if extent.isdecimal() else extent for extent in member.extents]
-        count = " * ".join(extents) if extents else "1U"
-        if member.kind:
-            places = [inside] if not member.extents else [f"{inside}[{index}]" for index in range(whole)]
-            for place in places:
-                yield from self._members(owner, f"{place}.", member.kind, member.body)
-        elif member.is_pointer and (owner, member.name) != _HOOKS:
-            yield _Row(owner, inside, count, "")
-        elif not member.is_pointer and self._describe(member.type):
-            yield _Row(owner, inside, count, member.type)
+    def _member(self, owner: str, path: str, type_: CType, lengths: tuple[str, ...]) -> Iterator[_Row]:
+        """The rows of a member, an array if there are ``lengths``."""
+        known = self._layout.resolved(type_)
+        count = " * ".join(f"{length}U" if length.isdecimal() else length for length in lengths) or "1U"
+        match known:
+            case Pointer():
+                yield _Row(owner, path, count, "")
+            case Array():
+                yield from self._member(owner, path, known.element, (*lengths, known.length))
+            case Structure() if isinstance(type_, Named):
+                if self._describe(type_.name):
+                    yield _Row(owner, path, count, type_.name)
+            case Structure():
+                whole = prod(self._layout.count(path, length) for length in lengths)
+                for place in [f"{path}[{index}]" for index in range(whole)] if lengths else [path]:
+                    yield from self._members(owner, f"{place}." if place else "", known)
+            case Named() | Function() | NotUnderstood():  # `resolved` refuses the last; no header defines the first.
+                return
 
     # ---- Writing them
 

@@ -6,11 +6,10 @@ and C converts an argument to whatever the parameter is.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.interface.layout import without_comments
+from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.laws.calls import body_name, law_members
 from cspdiag.codegen.c.laws.external import header_of
 from cspdiag.codegen.c.text.code import call, unsigned
@@ -73,12 +72,12 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
 def refuse_missing_members(
     network: Network,
     environments: Iterable[Environment],
-    headers: Mapping[str, str],
+    headers: Layout,
     names: PackageNames,
     types: CTypes,
 ) -> None:
-    """Raises TargetError if a struct in one of the ``headers``, texts by name, lacks the member of a port of a law of
-    the network or of a driver of the ``environments``. Other wrong members are found when the package is compiled.
+    """Raises TargetError if a struct in one of the ``headers`` lacks the member of a port of a law of the network or of
+    a driver of the ``environments``. Other wrong members are found when the package is compiled.
     """
     found: list[_Member] = [*_members(network, names, types)]
     for environment in environments:
@@ -87,15 +86,10 @@ def refuse_missing_members(
         f"{header_of(item.body)}: `struct {item.struct}` has no member `{item.name}` for the port `{item.port}` "
         f"({item.where})"
         for item in dict.fromkeys(found)
-        if _lacks(without_comments(headers.get(header_of(item.body), "")), item)
+        if headers.lacks(f"struct {item.struct}", item.name)
     ]
     if reasons:
         raise TargetError("\n".join(reasons))
-
-
-def _lacks(text: str, member: _Member) -> bool:
-    """Whether the struct is in the text, and the name of the member is nowhere."""
-    return bool(re.search(rf"\bstruct\s+{member.struct}\s*\{{", text)) and not re.search(rf"\b{member.name}\b", text)
 
 
 def _of_drivers(network: Network, environment: Environment, names: PackageNames, types: CTypes) -> Iterator[_Member]:

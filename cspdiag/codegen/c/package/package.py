@@ -8,6 +8,7 @@ from weakref import ref
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.api import Interface, interface_files
+from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.laws.by_hand import FILE as TYPES_BY_HAND
 from cspdiag.codegen.c.laws.by_hand import checks_file, refuse_missing_members
 from cspdiag.codegen.c.laws.external import device_files, external_files
@@ -20,7 +21,7 @@ from cspdiag.codegen.c.package.layouts import SUPPORT, Library, arranged
 from cspdiag.codegen.c.package.linkage import NAMES, first_included, names_header
 from cspdiag.codegen.c.package.parts import PARTS, parts_header
 from cspdiag.codegen.c.package.refusals import foreign_devices, refuse
-from cspdiag.codegen.c.process.leaves import leaf_header, refuse_hidden_members
+from cspdiag.codegen.c.process.leaves import require_first_member
 from cspdiag.codegen.c.process.levels import separate_depths
 from cspdiag.codegen.c.text.literals import in_comment
 from cspdiag.codegen.c.text.names import PackageNames
@@ -189,10 +190,11 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         files.update(law)
     devices = device_files(simulated, modules)
     by_hand = {**external_files(network, modules), **devices}
+    by_hand_layout = Layout({path: text for path, text in by_hand.items() if path.endswith(".h")}, {})
     for class_ in lowered.classes:
         if isinstance(class_, ProcessClass) and class_.external is not None:
-            refuse_hidden_members(class_, by_hand.get(leaf_header(class_), ""), names)
-    refuse_missing_members(lowered, simulated, by_hand, names, types)
+            require_first_member(class_, by_hand_layout, names)
+    refuse_missing_members(lowered, simulated, by_hand_layout, names, types)
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))
@@ -213,7 +215,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     files["types.h"] = types_header(lowered, names, types, f"{names.prefix}_types.h")
     support = support_files()
     texts = {**support, **files}
-    headers = [text for path, text in texts.items() if path.endswith(".h")]
+    headers = {path: text for path, text in texts.items() if path.endswith(".h")}
     identifying = {path: text for path, text in texts.items() if path != "main_simulation.c"}
     interface = Interface(lowered, names, types, inlined=options.level > 0)
     step_files = interface_files(interface, identifying, headers, render)

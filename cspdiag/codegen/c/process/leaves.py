@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
-
-from cspdiag.codegen.c.interface.layout import inside_braces, without_comments
+from cspdiag.codegen.c.interface.declarations import Named, Structure
+from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.media import Access
@@ -31,43 +29,19 @@ KINDS: dict[Access, str] = {
 }
 """The kernel's constants for what a port of such a process is connected to."""
 
-_TYPE = r"\b(csp_(?:process|ends|in|out))\b(?!\s*\*)"
-_MACRO = re.compile(rf"^[ \t]*#[ \t]*define[ \t]+(?P<name>\w+)(?:\\\n|.)*?{_TYPE}", re.MULTILINE)
-_HIDDEN = {
-    "`typedef`": re.compile(rf"\btypedef\s+{_TYPE}"),
-    "struct without a name": re.compile(rf"\btypedef\s+struct\s*\{{[^}}]*{_TYPE}"),
-}
-"""What hides members of the kernel's types."""
-_DIRECTIVE = re.compile(r"^[ \t]*#", re.MULTILINE)
+_FIRST = ("process", Named("csp_process"))
+"""The member that the kernel takes for the process."""
 
 
-def refuse_hidden_members(class_: ProcessClass, header: str, names: PackageNames) -> None:
-    """Raises TargetError if the text of the header does not show all members of the struct of a process: saved states
-    have no pointers, so these must be known.
-    """
-    reasons = list(_hidden_members(names.classes[class_.name], without_comments(header)))
-    if reasons:
-        listed = "\n".join(f"{leaf_header(class_)}:{line}: {reason}" for line, reason in reasons)
-        raise TargetError(f"{listed}\n  help: write each member as in `csp_in level;`, so that states can be saved")
-
-
-def _hidden_members(struct: str, text: str) -> Iterator[tuple[int, str]]:
-    begun = re.search(rf"\bstruct\s+{struct}\s*\{{", text)
-    body = inside_braces(text, begun.end()) if begun else ""
-    for found in _MACRO.finditer(text):
-        if re.search(rf"\b{found['name']}\b", body):
-            yield _line(text, found.start(2)), f"a macro hides a member of the type `{found[2]}`"
-    for what, pattern in _HIDDEN.items():
-        for found in pattern.finditer(text):
-            yield _line(text, found.start(1)), f"a {what} hides a member of the type `{found[1]}`"
-    directive = _DIRECTIVE.search(body)
-    if begun and directive:
-        line = _line(text, begun.end() + directive.end())
-        yield line, f"what members `struct {struct}` has depends on the preprocessor"
-
-
-def _line(text: str, at: int) -> int:
-    return text.count("\n", 0, at) + 1
+def require_first_member(class_: ProcessClass, headers: Layout, names: PackageNames) -> None:
+    """Raises TargetError if the struct of a process does not begin with what the kernel takes for it."""
+    struct = f"struct {names.classes[class_.name]}"
+    found = headers.resolved(Named(struct))
+    if isinstance(found, Structure) and [(one.name, one.type) for one in found.members[:1]] != [_FIRST]:
+        raise TargetError(
+            f"{leaf_header(class_)}: `{struct}` does not begin with the process that the kernel runs\n"
+            "  help: its first member has to be `csp_process process;`"
+        )
 
 
 def leaf_header(class_: ProcessClass) -> str:

@@ -35,25 +35,100 @@ struct law {
     double *pointers[COUNT - 2];
     size_t sizes[sizeof(struct filter)];
 };
+#define MANY double many[20]; \\
+    byte few[3];
+#define REAL float
+#define EMPTY
+typedef struct { REAL level; byte low; } conf_t, confs_t[4], *conf_ref;
+typedef confs_t rooms[3];
+typedef int (*callback)(void *, int[]);
+typedef double vector[COUNT];
+struct node { struct node *next, *const last; EMPTY conf_t here, *there, all[2]; };
+struct declared {
+    struct filter *first, second, *third[3], fourth;
+    confs_t confs; rooms inside; conf_ref reference; callback called, calls[5]; vector v, *vs;
+    union { double real; char raw[11]; };
+    struct { int a; struct { byte b; uint16_t c; } inner[3]; };
+    MANY
+    int (*functions[20])(void); void (*one)(void *, int[], double (*)(int)); double (*row)[8];
+    _Bool is_on;
+    struct named { byte x[5]; } names[2]; union both { short half; long wide; } both;
+    volatile float *volatile gains, gain; const char *const texts[2]; int const number; long unsigned int words;
+    REAL reals[3]; struct node nodes[2];
+    double matrix[2][3]; double _Complex turning; int (parenthesized), (*(pointed)), ((array)[3]);
+    short z, y[2], *x; char last;
+};
+struct aligned { char a; char b __attribute__((aligned(32))); char c; };
+typedef struct __attribute__((aligned(16))) { char a; } wide_t;
+struct after { char a; wide_t wide; char b; } __attribute__((aligned(64)));
 """
 
 
-@pytest.mark.parametrize(("compiler", "pointer"), [("gcc", 8), ("clang", 8), ("arm-none-eabi-gcc", 4)])
+@pytest.mark.parametrize(
+    ("compiler", "pointer"), [("gcc", 8), ("clang", 8), ("arm-none-eabi-gcc", 4), ("riscv64-unknown-elf-gcc", 8)]
+)
 def test_sizes_are_those_of_compilers(compiler: str, pointer: int, tmp_path: Path) -> None:
     need(compiler, "nm")
     source = tmp_path / "sizes.c"
-    names = ["filter", "struct inner", "struct law"]
+    names = ["filter", "struct inner", "struct law", "conf_t", "rooms", "struct node", "struct declared"]
+    names += ["struct aligned", "wide_t", "struct after", "struct named", "union both"]
     source.write_text(HEADER + "".join(f"char {name.split()[-1]}_size[sizeof({name})];\n" for name in names))
-    subprocess.run([compiler, "-std=c99", "-c", source, "-o", tmp_path / "sizes.o"], check=True)
+    library = ["--specs=picolibc.specs"] if compiler.startswith("riscv") else []
+    subprocess.run([compiler, *library, "-std=gnu11", "-c", source, "-o", tmp_path / "sizes.o"], check=True)
     listed = subprocess.run(["nm", "-P", tmp_path / "sizes.o"], check=True, capture_output=True, text=True).stdout
     expected = {row.split()[0]: int(row.split()[3], 16) for row in listed.splitlines() if "_size" in row}
-    layout = Layout([HEADER], {}, pointer)
-    assert {f"{name.split()[-1]}_size": layout.size(name.split()[-1]) for name in names} == expected
+    layout = Layout({"law.h": HEADER}, {})
+    assert {f"{name.split()[-1]}_size": layout.size(name, pointer) for name in names} == expected
+
+
+def test_an_enumeration_is_given_the_bytes_of_an_integer() -> None:
+    text = "struct law { enum { OFF, ON = 2 } mode; enum later { LOW = 3 } other[LOW]; enum later last[ON]; };"
+    assert Layout({"law.h": text}, {}).size("law") == 24
+
+
+def test_each_bit_field_is_given_its_whole_type() -> None:
+    assert (
+        Layout({"law.h": "struct law { unsigned flags : 3, more : 4; unsigned : 5; char last : 2; };"}, {}).size("law")
+        == 16
+    )
 
 
 @pytest.mark.parametrize("length", ["strlen(NAME)", "UNKNOWN", "COUNT / 0", "a ? 1 : 2", "SELF", "MANY", "1 << 99"])
 def test_a_length_that_is_not_understood_is_refused(length: str) -> None:
     text = f"#define SELF (SELF + 1)\n#define MANY MANY + MANY\nstruct law {{ double taps[{length}]; }};"
     with pytest.raises(TargetError, match="taps") as refused:
-        Layout([text], {}).size("law")
+        Layout({"law.h": text}, {}).size("law")
     assert length in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("member", "shown"),
+    [
+        ("struct { FIELD(int, y); } z;", "FIELD(int, y)"),
+        ("FIELD(double, x);", "FIELD(double, x)"),
+        ("double 3;", "double 3"),
+        ("LOOP", "LOOP"),
+    ],
+)
+def test_a_member_that_is_not_understood_is_refused(member: str, shown: str) -> None:
+    text = f"#define FIELD(type, name) type name\n#define LOOP LOOP LOOP\nstruct law {{ int a; {member} int b; }};"
+    with pytest.raises(TargetError, match="law") as refused:
+        Layout({"law.h": text}, {}).size("law")
+    assert shown in str(refused.value)
+
+
+def test_a_type_that_is_not_understood_is_refused_where_it_is_used() -> None:
+    text = "typedef struct { FIELD(double, x); } odd; struct law { odd one; }; struct other { int a; };"
+    assert Layout({"law.h": text}, {}).size("other") == 4
+    with pytest.raises(TargetError, match="FIELD"):
+        Layout({"law.h": text}, {}).size("law")
+
+
+def test_what_is_not_used_need_not_be_understood() -> None:
+    text = "#define SELF SELF +\nstruct other { FIELD(double, x); SELF y; };\ntypedef SELF z; struct law { int a; };"
+    assert Layout({"law.h": text}, {}).size("law") == 4
+
+
+@pytest.mark.parametrize(("length", "count"), [("010", 8), ("'z' - 'a'", 25), ("0x10 / sizeof(double[2])", 1)])
+def test_lengths_are_those_of_c(length: str, count: int) -> None:
+    assert Layout({"law.h": f"struct law {{ char text[{length}]; }};"}, {}).size("law") == count
