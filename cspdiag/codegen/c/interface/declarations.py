@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 
 from cspdiag.base.record import record
@@ -12,6 +12,7 @@ from cspdiag.codegen.shared.names import words
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(\w*)(?:\\\n|[^\n])*$", re.MULTILINE)
 _DEFINITION = re.compile(r"\btypedef\b|\b(?:struct|union)\b[^;{}()=]*(?:\(\([^;{}]*\)\)[^;{}()=]*)?\{")
+_MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(?![\w(])[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
 _TOKEN = re.compile(r"(\s*)(#[+-]\d*|\w+|\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|\S)")
 _QUALIFIERS = words(
     "const volatile restrict __restrict _Atomic static extern register inline __inline _Thread_local __extension__"
@@ -87,25 +88,43 @@ def without_comments(text: str) -> str:
     return _COMMENT.sub(lambda found: " " + "\n" * found[0].count("\n"), text)
 
 
-def declared_types(text: str, macro: Callable[[str], str | None]) -> Mapping[str, CType]:
-    """What a header without comments defines: ``struct filter``, ``union word``, and names of types. ``macro`` gives
-    the texts of macros without arguments.
+def macros_of(text: str) -> Iterator[tuple[int, str, str]]:
+    """The macros without arguments that a text without comments defines: where, their names and texts."""
+    for found in _MACRO.finditer(text):
+        yield found.start(), found[1], found[2].replace("\\\n", " ").strip()
+
+
+def declared_types(text: str, macros: dict[str, str]) -> Mapping[str, CType]:
+    """What a header without comments defines: ``struct filter``, ``union word``, and names of types.
+
+    ``macros`` are those of the headers that it includes, texts by name; its own are added.
     """
+    lengthened = 0
+    defined: list[tuple[int, str, str]] = []
 
     def marked(found: re.Match[str]) -> str:
         """A condition as a word: where it begins, with its line, or that it ends."""
+        nonlocal lengthened
         begins = f"#+{text.count(chr(10), 0, found.start()) + 1} " if found[1].startswith("if") else ""
         ends = "#- " if found[1] == "endif" else ""
-        return begins + ends + "\n" * found[0].count("\n")
+        defined.extend((found.start() + lengthened, name, body) for _, name, body in macros_of(found[0]))
+        mark = begins + ends + "\n" * found[0].count("\n")
+        lengthened += len(mark) - len(found[0])
+        return mark
 
     plain = _DIRECTIVE.sub(marked, text)
+    defined.reverse()
     types: dict[str, CType] = {}
     end = 0
     while found := _DEFINITION.search(plain, end):
+        while defined and defined[-1][0] <= found.start():
+            _, name, body = defined.pop()
+            macros[name] = body
         end = _end_of_declaration(plain, found.start())
-        reader = _Reader(plain[found.start() : end], macro)
+        reader = _Reader(plain[found.start() : end], macros)
         reader.read()
         types |= reader.types
+    macros |= {name: body for _, name, body in reversed(defined)}
     return types
 
 
@@ -121,7 +140,7 @@ def _end_of_declaration(text: str, start: int) -> int:
 
 def type_named(text: str) -> CType:
     """The type that is written between the brackets of ``sizeof``; Named if it is not understood."""
-    reader = _Reader(f"{text};", lambda _: None)
+    reader = _Reader(f"{text};", {})
     with suppress(_UnknownSyntaxError):
         for _, type_, _ in reader.declared():
             return type_
@@ -149,9 +168,9 @@ def _text(tokens: Iterable[_Token]) -> str:
 class _Reader:
     """Reads a declaration."""
 
-    def __init__(self, text: str, macro: Callable[[str], str | None]) -> None:
+    def __init__(self, text: str, macros: Mapping[str, str]) -> None:
         self.types: dict[str, CType] = {}
-        self._macro = macro
+        self._macros = macros
         self._tokens = list(_tokens(text))
         self._tokens.reverse()
         self._expanded = 0
@@ -180,7 +199,7 @@ class _Reader:
                 self._tokens.pop()
                 self._note_condition(word)
                 continue
-            body = None if word in _OWN_TYPES or word in _QUALIFIERS else self._macro(word)
+            body = None if word in _OWN_TYPES or word in _QUALIFIERS else self._macros.get(word)
             if body is None:
                 return word
             self._expanded += 1

@@ -5,6 +5,7 @@ Sizes are those of machines with pointers of 8 or of 4 bytes; with shorter point
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 
 from cspdiag.base.record import record
@@ -32,6 +33,7 @@ _BY_HAND = 256
 """The bytes that are reserved for a type that no header of the package defines."""
 _INTEGER = frozenset({"signed", "unsigned", "char", "short", "int", "long"})
 """The words of which the names of C's own integers are made."""
+_INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*\"([^\"\n]+)\"", re.MULTILINE)
 _LARGEST = 16
 """The bytes of ``long double``, and the alignment of any type."""
 
@@ -56,13 +58,25 @@ class Layout:
         self._paths: dict[str, str] = {}
         self._within: list[str] = []
         """The headers of the structures that are computed, each inside the one before."""
-        texts = {path: without_comments(text) for path, text in headers.items()}
-        for text in texts.values():
+        self._texts = {path: without_comments(text) for path, text in headers.items()}
+        for text in self._texts.values():
             self._lengths.add(text)
-        for path, text in texts.items():
-            declared = declared_types(text, self._lengths.macro)
+        self._macros: dict[str, dict[str, str]] = {}
+        for path in self._texts:
+            self._read(path)
+
+    def _read(self, path: str) -> Mapping[str, str]:
+        """Read the definitions of a header and of those that it includes; its macros."""
+        if path not in self._macros:
+            macros: dict[str, str] = {}
+            self._macros[path] = macros
+            text = self._texts[path]
+            for included in _INCLUDED.findall(text):
+                macros |= self._read(included) if included in self._texts else {}
+            declared = declared_types(text, macros)
             self._types |= declared
             self._paths |= dict.fromkeys(declared, path)
+        return self._macros[path]
 
     def size(self, name: str, pointer: int = 8) -> int:
         """The bytes of a structure, with pointers of ``pointer`` bytes. Raises TargetError for one that is not

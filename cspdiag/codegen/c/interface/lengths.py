@@ -7,7 +7,8 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 
-_DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(?![\w(])[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
+from cspdiag.codegen.c.interface.declarations import macros_of
+
 _ENUM = re.compile(r"\benum\s*\w*\s*\{([^}]*)\}")
 _SIZEOF = re.compile(r"\bsizeof\s*\(([^()]*)\)")
 _WORDS = re.compile(r"\bCSP_WORDS\(([^()]*)\)")
@@ -39,23 +40,17 @@ class Lengths:
 
     def __init__(self, constants: Mapping[str, int], size: Callable[[str], int]) -> None:
         self._texts = {name: str(value) for name, value in constants.items()}
-        self._macros: dict[str, str] = {}
         self._size = size
 
     def add(self, text: str) -> None:
         """Add those of a header without comments."""
-        for name, body in _DEFINE.findall(text):
-            self._macros[name] = self._texts[name] = body.replace("\\\n", " ").strip()
+        self._texts |= {name: body for _, name, body in macros_of(text)}
         for (body,) in ((found[1],) for found in _ENUM.finditer(text)):
             before = "-1"
             for entry in filter(None, (part.strip() for part in body.split(","))):
                 name, _, value = (part.strip() for part in entry.partition("="))
                 self._texts[name] = f"({value})" if value else f"({before} + 1)"
                 before = name
-
-    def macro(self, name: str) -> str | None:
-        """The text of a macro without arguments."""
-        return self._macros.get(name)
 
     def value(self, text: str) -> int | None:
         """Of an expression; None if it is not understood. CSP_WORDS is that of words of 32 bits, the largest."""

@@ -132,3 +132,19 @@ def test_what_is_not_used_need_not_be_understood() -> None:
 @pytest.mark.parametrize(("length", "count"), [("010", 8), ("'z' - 'a'", 25), ("0x10 / sizeof(double[2])", 1)])
 def test_lengths_are_those_of_c(length: str, count: int) -> None:
     assert Layout({"law.h": f"struct law {{ char text[{length}]; }};"}, {}).size("law") == count
+
+
+def test_macros_hold_behind_their_definition_and_in_headers_that_include_them() -> None:
+    headers = {
+        "kernel.h": "struct kernel { char level; };",
+        "law.h": """\
+            #include "real.h"
+            #include "kernel.h"
+            struct law { REAL level; struct kernel kernel; };
+            #define level kernel.level
+            """,
+        "real.h": "#define REAL double",
+        "other.h": "typedef short REAL; struct other { REAL level; };",
+    }
+    layout = Layout(headers, {})
+    assert [layout.size(name) for name in ("kernel", "law", "other")] == [1, 16, 2]
