@@ -10,7 +10,7 @@ from cspdiag.model.expressions.numbers import Typer
 from cspdiag.model.names.described import lacks_description
 from cspdiag.model.names.fields import refuse_part
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
-from cspdiag.model.symbols import declared_at
+from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import INT, UNKNOWN, ArrayType, Type
 from cspdiag.model.wording import noun
 from cspdiag.syntax import ast
@@ -91,6 +91,10 @@ def refuse_kind(
     typer.context.refuse_kind(span, name, symbol, f"{article} {expected}", advice, reference)
 
 
+_CONNECTED = frozenset(("source", "sink", "port"))
+"""What is expected where values pass as a whole."""
+
+
 def end_of_channel(typer: Typer, reference: ast.Reference, expected: str) -> Type:
     """The type of the values that pass a port, a port of an instance, a channel, a variable or a label.
 
@@ -118,6 +122,8 @@ def end_of_channel(typer: Typer, reference: ast.Reference, expected: str) -> Typ
         match symbol:
             case PortSymbol() | ast.Variable() | ast.Channel() | EndLabelSymbol():
                 found = _indexed(typer, reference, reference.indexes, _carried(typer, symbol))
+                if expected in _CONNECTED:
+                    found = _as_a_whole(typer, reference, reference.indexes, symbol, found)
             case None:
                 pass
             case ast.Instance():
@@ -183,7 +189,8 @@ def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> 
         return UNKNOWN
     program.members[reference] = port
     program.bindings[member] = port
-    return _indexed(typer, reference, reference.member_indexes, array_of_ports(typer.context, port))
+    found = _indexed(typer, reference, reference.member_indexes, array_of_ports(typer.context, port))
+    return _as_a_whole(typer, reference, reference.member_indexes, port, found)
 
 
 def ports_of(typer: Typer, instance: ast.Instance) -> Scope | None:
@@ -211,6 +218,31 @@ def check_instance_index(typer: Typer, reference: ast.Reference, instance: ast.I
         reference.name.span, what=f"`{name}`", problem=problem, advice=advice, declared=instance.name.span
     )
     typer.context.refuse(refused, reference)
+
+
+def _as_a_whole(
+    typer: Typer,
+    reference: ast.Reference,
+    indexes: tuple[ast.Expression, ...],
+    symbol: PortSymbol | ast.Variable | ast.Channel | EndLabelSymbol,
+    found: Type,
+) -> Type:
+    """``found`` if the indexes choose one of several ports, not an element of the values that pass it."""
+    ports = symbol.port.dimensions if isinstance(symbol, PortSymbol) else ()
+    if found is UNKNOWN or len(indexes) <= len(ports):
+        return found
+    index = indexes[len(ports)]
+    name = reference.span.text[: index.span.start - reference.span.start].rstrip().removesuffix("[").rstrip()
+    if isinstance(symbol, PortSymbol):
+        problem = "is one port, through which an array passes as a whole"
+        own = name.rpartition(".")[2]
+        advice = f"write `{name}`; to connect elements, declare an array of ports: `{own}[n] : …` of single values"
+    else:
+        problem = f"is {described(symbol)}, which is connected as a whole"
+        advice = f"write `{name}`, and choose the element where it is used"
+    refused = NotIndexed(index.span, what=f"`{name}`", problem=problem, advice=advice, declared=declared_at(symbol))
+    typer.context.refuse(refused, reference)
+    return UNKNOWN
 
 
 def _indexed(typer: Typer, reference: ast.Reference, indexes: tuple[ast.Expression, ...], found: Type) -> Type:
