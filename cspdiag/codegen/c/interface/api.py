@@ -258,7 +258,7 @@ class Interface:
 
     def _brought(self, port: ExternalPort) -> list[str]:
         medium = f"&self->network.external.{self.members[port.key]}"
-        return ["{", "    return csp_event_bring(&self->network.kernel,", f"        {medium}, &value);", "}"]
+        return ["{", f"    return csp_event_bring(&self->network.kernel, {medium}, &value);", "}"]
 
     def _reader(self, port: ExternalPort) -> list[str]:
         place, name = self.places[port.key], self.prefix
@@ -266,8 +266,8 @@ class Interface:
             f"static bool {self.functions[port.key]}(void *device, void *value)",
             "{",
             f"    {name}_instance *const self = device;",
-            f"    return sample_input(self, {self.literals[port.key]}, value,",
-            f"        &self->inputs.{place}, sizeof self->inputs.{place});",
+            f"    return sample_input(self, {self.literals[port.key]}, value, &self->inputs.{place}, "
+            f"sizeof self->inputs.{place});",
             "}",
         ]
 
@@ -276,8 +276,8 @@ class Interface:
             f"static bool {self.functions[port.key]}(void *device, void *value)",
             "{",
             f"    const {self.prefix}_instance *const self = device;",
-            "    return (self->hooks.poll != NULL)",
-            f"        && self->hooks.poll(self->hooks.context, {self.literals[port.key]}, value);",
+            "    return (self->hooks.poll != NULL) "
+            f"&& self->hooks.poll(self->hooks.context, {self.literals[port.key]}, value);",
             "}",
         ]
 
@@ -287,8 +287,8 @@ class Interface:
             f"static void {self.functions[port.key]}(void *device, const void *value)",
             "{",
             f"    {name}_instance *const self = device;",
-            f"    actuate_output(self, {self.literals[port.key]}, value,",
-            f"        &self->outputs.{place}, sizeof self->outputs.{place});",
+            f"    actuate_output(self, {self.literals[port.key]}, value, &self->outputs.{place}, "
+            f"sizeof self->outputs.{place});",
             "}",
         ]
 

@@ -7,7 +7,7 @@ and for each input ``adc_write_PORT``, which finds the value there. Functions of
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
@@ -164,26 +164,26 @@ class Devices:
 
     # ---- Checks
 
-    def checks(self) -> Iterable[str]:
+    def checks(self) -> list[str]:
         """The lines that do not compile if a member or a function has another type than the program says."""
-        required = [row for driver in self.environment.drivers for row in self._checks_of_device(driver)]
-        required += [row for item in self.connected.values() for row in self._checks_of_port(item)]
-        return dict.fromkeys(required)
+        required = [check for driver in self.environment.drivers for check in self._checks_of_device(driver)]
+        required += [check for item in self.connected.values() for check in self._checks_of_port(item)]
+        return [row for check in dict.fromkeys(map(tuple, required)) for row in check]
 
-    def _checks_of_device(self, driver: DriverInstance) -> Iterator[str]:
+    def _checks_of_device(self, driver: DriverInstance) -> Iterator[list[str]]:
         header, place, structure = self._by_hand(driver)
         itself = f"struct {structure} *"
         given = [type_of_argument(type_, self.types) for type_ in driver.argument_types]
-        yield from required_function(header, "bool", f"{structure}_open", (itself, *given), place)
-        yield from required_function(header, "void", f"{structure}_close", (itself,), place)
+        yield required_function(header, "bool", f"{structure}_open", (itself, *given), place)
+        yield required_function(header, "void", f"{structure}_close", (itself,), place)
 
-    def _checks_of_port(self, item: _Connected) -> Iterator[str]:
+    def _checks_of_port(self, item: _Connected) -> Iterator[list[str]]:
         header, place, structure = self._by_hand(item.driver)
         member, expected = self.types.field(item.name), self.types.type_name(item.external.type)
-        yield from required_member(header, structure, member, expected, place, item.size)
+        yield required_member(header, structure, member, expected, place, item.size)
         result, verb = ("void", "write") if item.external.direction == "out" else ("bool", "read")
         parameters = (f"struct {structure} *", *(() if item.size is None else ("uint32_t",)))
-        yield from required_function(header, result, f"{structure}_{verb}_{item.name}", parameters, place)
+        yield required_function(header, result, f"{structure}_{verb}_{item.name}", parameters, place)
 
     def _by_hand(self, driver: DriverInstance) -> tuple[str, str, str]:
         """The header of a driver, the place of its definition, and the name of its struct."""

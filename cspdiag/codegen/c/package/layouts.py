@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.package.folding import folded_script
 from cspdiag.codegen.c.package.includes import with_headers
 from cspdiag.codegen.shared.render import Render
 
@@ -88,7 +89,7 @@ def arranged(
         sources=tuple(sorted(path for path in texts if path.endswith(".c"))),
         by_hand=tuple(_moved(path, described.package) for path in kept if path in described.by_hand),
     )  # fmt: skip
-    manifests = {path: render(template, library=library) for path, template in layout.manifests.items()}
+    manifests = {path: folded_script(render(name, library=library)) for path, name in layout.manifests.items()}
     return dict(sorted({**texts, **manifests, "README.md": files["README.md"]}.items()))
 
 

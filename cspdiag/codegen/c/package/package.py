@@ -17,6 +17,7 @@ from cspdiag.codegen.c.laws.laws import law_files
 from cspdiag.codegen.c.network.environments import environment_files
 from cspdiag.codegen.c.network.network import network_files
 from cspdiag.codegen.c.package.definitions import constants_header, plain_types_header, types_header
+from cspdiag.codegen.c.package.folding import folded, folded_script
 from cspdiag.codegen.c.package.layouts import SUPPORT, Library, arranged
 from cspdiag.codegen.c.package.linkage import NAMES, first_included, names_header
 from cspdiag.codegen.c.package.parts import PARTS, parts_header
@@ -247,8 +248,9 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         simulation=_simulation(files, program),
         simulated=can_simulate,
     )
-    for path in ("Makefile", "CMakeLists.txt", "README.md"):
-        files[path] = render(f"{path}.j2", project=project)
+    for path in ("Makefile", "CMakeLists.txt"):
+        files[path] = folded_script(render(f"{path}.j2", project=project))
+    files["README.md"] = render("README.md.j2", project=project)
     for path, text in by_hand.items():
         if files[path] is not text:
             raise TargetError(f"{path}, written by hand, has the name of a generated file: rename it")
@@ -258,7 +260,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         template = _FILE_TEMPLATES.get(path[-2:])
         if template is not None:
             file = CFile(path, files[path].removesuffix("\n"), network.top, in_comment(source))
-            files[path] = render(template, file=file)
+            files[path] = folded(render(template, file=file))
     kernel_headers = [text for path, text in support.items() if path.endswith(".h") and path != _OF_BOARD]
     files[NAMES] = names_header(project.package, sources, kernel_headers)
     files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path != _CONFIGURATION})

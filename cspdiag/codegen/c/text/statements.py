@@ -13,6 +13,7 @@ from cspdiag.codegen.c.text.code import (
     INDENT,
     LINE_LENGTH,
     NOW,
+    STEP,
     Atom,
     Call,
     Code,
@@ -25,7 +26,7 @@ from cspdiag.codegen.c.text.code import (
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.kernel import USES_KERNEL
 from cspdiag.codegen.c.text.literals import in_comment
-from cspdiag.codegen.shared.document import Document, Fill, Nest, listed, render
+from cspdiag.codegen.shared.document import LINE, SOFT, Document, Fill, FirstThatFits, Nest, listed, render
 from cspdiag.codegen.shared.trees import nodes
 
 _LEAST_REMARK = 40
@@ -263,8 +264,13 @@ def can_wait(statements: Sequence[Statement]) -> bool:
 
 def signature(head: str, parameters: Sequence[str], tail: str = "") -> list[str]:
     """The head of a function; with ``;`` as ``tail``, its declaration."""
-    given = listed(list(parameters) or ["void"])
-    return render((f"{head}(", Nest(len(INDENT), Fill(given)), f"){tail}"), LINE_LENGTH)
+    given = Fill(listed(list(parameters) or ["void"]))
+    end = f"){tail}"
+    before, space, name = head.rpartition(" ")
+    layouts: list[Document] = [(head, "(", Nest(STEP, given), end), (head, "(", Nest(STEP, (SOFT, given)), end)]
+    if space:
+        layouts.append((before, Nest(STEP, (LINE, name, "(", SOFT, given)), end))
+    return render(FirstThatFits(tuple(layouts)), LINE_LENGTH)
 
 
 def lines(statements: Iterable[Statement], depth: int = 0) -> list[str]:

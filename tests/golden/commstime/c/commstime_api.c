@@ -87,8 +87,7 @@ static void connect(commstime_instance *self)
 
 static bool is_begun(const commstime_instance *self)
 {
-    return (self->place == self) && (self->program == &network_program)
-        && (self->build == build);
+    return (self->place == self) && (self->program == &network_program) && (self->build == build);
 }
 
 static const char *refused(const void *memory, size_t size, const commstime_hooks *hooks)
@@ -113,8 +112,8 @@ static const char *refused(const void *memory, size_t size, const commstime_hook
     return NULL;
 }
 
-commstime_instance *commstime_begin(void *memory, size_t size,
-    const commstime_hooks *hooks, const char **reason)
+commstime_instance *commstime_begin(void *memory, size_t size, const commstime_hooks *hooks,
+    const char **reason)
 {
     commstime_instance *const self = memory;
     const char *const found = refused(memory, size, hooks);
@@ -153,8 +152,7 @@ commstime_instance *commstime_begin(void *memory, size_t size,
     return self;
 }
 
-commstime_state commstime_advance(commstime_instance *self, int64_t until,
-    uint32_t steps)
+commstime_state commstime_advance(commstime_instance *self, int64_t until, uint32_t steps)
 {
     commstime_state state = COMMSTIME_REFUSED;
     switch (csp_advance(&self->network.kernel, until, steps)) {
@@ -179,7 +177,7 @@ commstime_state commstime_advance(commstime_instance *self, int64_t until,
     }
     if (csp_is_driving(&self->network.kernel)) {
         if ((self->hooks.fault != NULL)
-            && ((state == COMMSTIME_FAILED) || (state == COMMSTIME_DEADLOCK))) {
+                && ((state == COMMSTIME_FAILED) || (state == COMMSTIME_DEADLOCK))) {
             self->hooks.fault(self->hooks.context, self);
         }
         csp_release_outputs(&self->network.kernel);
@@ -220,9 +218,11 @@ static uint32_t identity(void)
 {
     uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, &build, sizeof build);
     const uintptr_t fixed[] = {
-        sizeof(commstime_instance), (uintptr_t)&build - (uintptr_t)&network_program,
+        sizeof(commstime_instance),
+        (uintptr_t)&build - (uintptr_t)&network_program,
         (uintptr_t)network_program.ports - (uintptr_t)&network_program,
-        (uintptr_t)&network_pointers - (uintptr_t)&network_program};
+        (uintptr_t)&network_pointers - (uintptr_t)&network_program
+    };
     sum = csp_checksum(sum, fixed, sizeof fixed);
     for (uint32_t index = 0U; index < CSP_NETWORK_FUNCTIONS; index++) {
         uintptr_t distance = 0U;
@@ -339,8 +339,7 @@ static commstime_cause cause_of(const csp_error *error)
     }
 }
 
-bool commstime_diagnose(const commstime_instance *self,
-    commstime_failure *failure)
+bool commstime_diagnose(const commstime_instance *self, commstime_failure *failure)
 {
     const csp_kernel *const csp = &self->network.kernel;
     const csp_error *const error = &csp->error;

@@ -129,14 +129,13 @@ typedef enum commstime_state {
  * values first; no event function may run meanwhile. If something is wrong it does nothing, returns
  * NULL, and says what it is in `*reason`, which is NULL otherwise; `reason` may be NULL.
  */
-commstime_instance *commstime_begin(void *memory, size_t size,
-    const commstime_hooks *hooks, const char **reason);
+commstime_instance *commstime_begin(void *memory, size_t size, const commstime_hooks *hooks,
+    const char **reason);
 
 /* Runs everything that is due up to the instant, with at most this number of steps of processes.
  * Never waits. The last instant of any run is 9223372036 s, after 292 years.
  */
-commstime_state commstime_advance(commstime_instance *self, int64_t until,
-    uint32_t steps);
+commstime_state commstime_advance(commstime_instance *self, int64_t until, uint32_t steps);
 
 /* Whether the run continues after this result of commstime_advance. */
 static inline bool commstime_continues(commstime_state state)
@@ -183,8 +182,7 @@ bool commstime_restore(commstime_instance *self, const commstime_memory *copy);
 void commstime_describe(commstime_instance *self, char *text, size_t size);
 
 /* Why the run has failed, without a text; false: it has not. */
-bool commstime_diagnose(const commstime_instance *self,
-    commstime_failure *failure);
+bool commstime_diagnose(const commstime_instance *self, commstime_failure *failure);
 
 /* The name of a channel or port, and of a process; "" if there is none of this number, or sources
  * are compiled without -DCSP_TRACE_HOOK=1.

@@ -41,8 +41,8 @@ static bool sample_input(emergency_instance *self, emergency_input input, void *
 }
 
 /* Hands over the value of an output, by this member of the outputs. */
-static void actuate_output(emergency_instance *self, emergency_output output,
-    const void *value, void *member, size_t size)
+static void actuate_output(emergency_instance *self, emergency_output output, const void *value,
+    void *member, size_t size)
 {
     (void)memcpy(member, value, size);
     self->hooks.actuate(self->hooks.context, output, &self->outputs,
@@ -52,8 +52,8 @@ static void actuate_output(emergency_instance *self, emergency_output output,
 static bool read_feedback(void *device, void *value)
 {
     emergency_instance *const self = device;
-    return sample_input(self, EMERGENCY_IN_FEEDBACK, value,
-        &self->inputs.feedback, sizeof self->inputs.feedback);
+    return sample_input(self, EMERGENCY_IN_FEEDBACK, value, &self->inputs.feedback,
+        sizeof self->inputs.feedback);
 }
 
 static bool poll_panel(void *device, void *value)
@@ -66,22 +66,22 @@ static bool poll_panel(void *device, void *value)
 static void write_control(void *device, const void *value)
 {
     emergency_instance *const self = device;
-    actuate_output(self, EMERGENCY_OUT_CONTROL, value,
-        &self->outputs.control, sizeof self->outputs.control);
+    actuate_output(self, EMERGENCY_OUT_CONTROL, value, &self->outputs.control,
+        sizeof self->outputs.control);
 }
 
 static void write_brake(void *device, const void *value)
 {
     emergency_instance *const self = device;
-    actuate_output(self, EMERGENCY_OUT_BRAKE, value,
-        &self->outputs.brake, sizeof self->outputs.brake);
+    actuate_output(self, EMERGENCY_OUT_BRAKE, value, &self->outputs.brake,
+        sizeof self->outputs.brake);
 }
 
 static void write_halted(void *device, const void *value)
 {
     emergency_instance *const self = device;
-    actuate_output(self, EMERGENCY_OUT_HALTED, value,
-        &self->outputs.halted, sizeof self->outputs.halted);
+    actuate_output(self, EMERGENCY_OUT_HALTED, value, &self->outputs.halted,
+        sizeof self->outputs.halted);
 }
 
 /* ---- The hooks of the kernel ---- */
@@ -162,8 +162,7 @@ static void connect(emergency_instance *self)
 
 static bool is_begun(const emergency_instance *self)
 {
-    return (self->place == self) && (self->program == &network_program)
-        && (self->build == build);
+    return (self->place == self) && (self->program == &network_program) && (self->build == build);
 }
 
 static const char *refused(const void *memory, size_t size, const emergency_hooks *hooks)
@@ -197,8 +196,8 @@ static const char *refused(const void *memory, size_t size, const emergency_hook
     return NULL;
 }
 
-emergency_instance *emergency_begin(void *memory, size_t size,
-    const emergency_hooks *hooks, const char **reason)
+emergency_instance *emergency_begin(void *memory, size_t size, const emergency_hooks *hooks,
+    const char **reason)
 {
     emergency_instance *const self = memory;
     const char *const found = refused(memory, size, hooks);
@@ -240,8 +239,7 @@ emergency_instance *emergency_begin(void *memory, size_t size,
     return self;
 }
 
-emergency_state emergency_advance(emergency_instance *self, int64_t until,
-    uint32_t steps)
+emergency_state emergency_advance(emergency_instance *self, int64_t until, uint32_t steps)
 {
     emergency_state state = EMERGENCY_REFUSED;
     switch (csp_advance(&self->network.kernel, until, steps)) {
@@ -266,7 +264,7 @@ emergency_state emergency_advance(emergency_instance *self, int64_t until,
     }
     if (csp_is_driving(&self->network.kernel)) {
         if ((self->hooks.fault != NULL)
-            && ((state == EMERGENCY_FAILED) || (state == EMERGENCY_DEADLOCK))) {
+                && ((state == EMERGENCY_FAILED) || (state == EMERGENCY_DEADLOCK))) {
             self->hooks.fault(self->hooks.context, self);
         }
         csp_release_outputs(&self->network.kernel);
@@ -307,9 +305,11 @@ static uint32_t identity(void)
 {
     uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, &build, sizeof build);
     const uintptr_t fixed[] = {
-        sizeof(emergency_instance), (uintptr_t)&build - (uintptr_t)&network_program,
+        sizeof(emergency_instance),
+        (uintptr_t)&build - (uintptr_t)&network_program,
         (uintptr_t)network_program.ports - (uintptr_t)&network_program,
-        (uintptr_t)&network_pointers - (uintptr_t)&network_program};
+        (uintptr_t)&network_pointers - (uintptr_t)&network_program
+    };
     sum = csp_checksum(sum, fixed, sizeof fixed);
     for (uint32_t index = 0U; index < CSP_NETWORK_FUNCTIONS; index++) {
         uintptr_t distance = 0U;
@@ -434,8 +434,7 @@ static emergency_cause cause_of(const csp_error *error)
     }
 }
 
-bool emergency_diagnose(const emergency_instance *self,
-    emergency_failure *failure)
+bool emergency_diagnose(const emergency_instance *self, emergency_failure *failure)
 {
     const csp_kernel *const csp = &self->network.kernel;
     const csp_error *const error = &csp->error;
@@ -523,6 +522,5 @@ void emergency_write_times(const emergency_times *times, uint32_t hertz,
 
 bool emergency_panel(emergency_instance *self, enum emergency_button value)
 {
-    return csp_event_bring(&self->network.kernel,
-        &self->network.external.panel, &value);
+    return csp_event_bring(&self->network.kernel, &self->network.external.panel, &value);
 }

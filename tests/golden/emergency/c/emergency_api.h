@@ -137,8 +137,8 @@ typedef struct emergency_hooks {
     /* Nanoseconds; 0 or less: the greatest common divisor of the periods, or 1 ms. */
     int64_t grid;
     /* Hands this output over. `safe`: it is its safe value, and its last. */
-    void (*actuate)(void *context, emergency_output output,
-        const emergency_outputs *outputs, bool safe);
+    void (*actuate)(void *context, emergency_output output, const emergency_outputs *outputs,
+        bool safe);
     /* Around accesses to events that other threads or interrupt handlers bring. May be nested: the
      * result of `lock` is passed to `unlock`.
      */
@@ -178,14 +178,13 @@ typedef enum emergency_state {
  * values first; no event function may run meanwhile. If something is wrong it does nothing, returns
  * NULL, and says what it is in `*reason`, which is NULL otherwise; `reason` may be NULL.
  */
-emergency_instance *emergency_begin(void *memory, size_t size,
-    const emergency_hooks *hooks, const char **reason);
+emergency_instance *emergency_begin(void *memory, size_t size, const emergency_hooks *hooks,
+    const char **reason);
 
 /* Runs everything that is due up to the instant, with at most this number of steps of processes.
  * Never waits. The last instant of any run is 9223372036 s, after 292 years.
  */
-emergency_state emergency_advance(emergency_instance *self, int64_t until,
-    uint32_t steps);
+emergency_state emergency_advance(emergency_instance *self, int64_t until, uint32_t steps);
 
 /* Whether the run continues after this result of emergency_advance. */
 static inline bool emergency_continues(emergency_state state)
@@ -232,8 +231,7 @@ bool emergency_restore(emergency_instance *self, const emergency_memory *copy);
 void emergency_describe(emergency_instance *self, char *text, size_t size);
 
 /* Why the run has failed, without a text; false: it has not. */
-bool emergency_diagnose(const emergency_instance *self,
-    emergency_failure *failure);
+bool emergency_diagnose(const emergency_instance *self, emergency_failure *failure);
 
 /* The name of a channel or port, and of a process; "" if there is none of this number, or sources
  * are compiled without -DCSP_TRACE_HOOK=1.

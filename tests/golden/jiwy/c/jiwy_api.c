@@ -30,8 +30,8 @@ typedef char jiwy_size_suffices[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
 static const uint32_t build = UINT32_C(0x00000000);
 
 /* Asks for the sample of an input, which is in this member of the inputs then. */
-static bool sample_input(jiwy_instance *self, jiwy_input input, void *value,
-    const void *member, size_t size)
+static bool sample_input(jiwy_instance *self, jiwy_input input, void *value, const void *member,
+    size_t size)
 {
     const bool came = self->hooks.sample(self->hooks.context, input, &self->inputs);
     if (came) {
@@ -41,8 +41,8 @@ static bool sample_input(jiwy_instance *self, jiwy_input input, void *value,
 }
 
 /* Hands over the value of an output, by this member of the outputs. */
-static void actuate_output(jiwy_instance *self, jiwy_output output,
-    const void *value, void *member, size_t size)
+static void actuate_output(jiwy_instance *self, jiwy_output output, const void *value, void *member,
+    size_t size)
 {
     (void)memcpy(member, value, size);
     self->hooks.actuate(self->hooks.context, output, &self->outputs,
@@ -52,29 +52,29 @@ static void actuate_output(jiwy_instance *self, jiwy_output output,
 static bool read_joystick_horizontal(void *device, void *value)
 {
     jiwy_instance *const self = device;
-    return sample_input(self, JIWY_IN_JOYSTICK_HORIZONTAL, value,
-        &self->inputs.joystick_horizontal, sizeof self->inputs.joystick_horizontal);
+    return sample_input(self, JIWY_IN_JOYSTICK_HORIZONTAL, value, &self->inputs.joystick_horizontal,
+        sizeof self->inputs.joystick_horizontal);
 }
 
 static bool read_joystick_vertical(void *device, void *value)
 {
     jiwy_instance *const self = device;
-    return sample_input(self, JIWY_IN_JOYSTICK_VERTICAL, value,
-        &self->inputs.joystick_vertical, sizeof self->inputs.joystick_vertical);
+    return sample_input(self, JIWY_IN_JOYSTICK_VERTICAL, value, &self->inputs.joystick_vertical,
+        sizeof self->inputs.joystick_vertical);
 }
 
 static bool read_feedback_horizontal(void *device, void *value)
 {
     jiwy_instance *const self = device;
-    return sample_input(self, JIWY_IN_FEEDBACK_HORIZONTAL, value,
-        &self->inputs.feedback_horizontal, sizeof self->inputs.feedback_horizontal);
+    return sample_input(self, JIWY_IN_FEEDBACK_HORIZONTAL, value, &self->inputs.feedback_horizontal,
+        sizeof self->inputs.feedback_horizontal);
 }
 
 static bool read_feedback_vertical(void *device, void *value)
 {
     jiwy_instance *const self = device;
-    return sample_input(self, JIWY_IN_FEEDBACK_VERTICAL, value,
-        &self->inputs.feedback_vertical, sizeof self->inputs.feedback_vertical);
+    return sample_input(self, JIWY_IN_FEEDBACK_VERTICAL, value, &self->inputs.feedback_vertical,
+        sizeof self->inputs.feedback_vertical);
 }
 
 static bool poll_joystick_buttons(void *device, void *value)
@@ -87,15 +87,15 @@ static bool poll_joystick_buttons(void *device, void *value)
 static void write_control_horizontal(void *device, const void *value)
 {
     jiwy_instance *const self = device;
-    actuate_output(self, JIWY_OUT_CONTROL_HORIZONTAL, value,
-        &self->outputs.control_horizontal, sizeof self->outputs.control_horizontal);
+    actuate_output(self, JIWY_OUT_CONTROL_HORIZONTAL, value, &self->outputs.control_horizontal,
+        sizeof self->outputs.control_horizontal);
 }
 
 static void write_control_vertical(void *device, const void *value)
 {
     jiwy_instance *const self = device;
-    actuate_output(self, JIWY_OUT_CONTROL_VERTICAL, value,
-        &self->outputs.control_vertical, sizeof self->outputs.control_vertical);
+    actuate_output(self, JIWY_OUT_CONTROL_VERTICAL, value, &self->outputs.control_vertical,
+        sizeof self->outputs.control_vertical);
 }
 
 /* ---- The hooks of the kernel ---- */
@@ -181,8 +181,7 @@ static void connect(jiwy_instance *self)
 
 static bool is_begun(const jiwy_instance *self)
 {
-    return (self->place == self) && (self->program == &network_program)
-        && (self->build == build);
+    return (self->place == self) && (self->program == &network_program) && (self->build == build);
 }
 
 static const char *refused(const void *memory, size_t size, const jiwy_hooks *hooks)
@@ -216,8 +215,7 @@ static const char *refused(const void *memory, size_t size, const jiwy_hooks *ho
     return NULL;
 }
 
-jiwy_instance *jiwy_begin(void *memory, size_t size,
-    const jiwy_hooks *hooks, const char **reason)
+jiwy_instance *jiwy_begin(void *memory, size_t size, const jiwy_hooks *hooks, const char **reason)
 {
     jiwy_instance *const self = memory;
     const char *const found = refused(memory, size, hooks);
@@ -266,8 +264,7 @@ jiwy_instance *jiwy_begin(void *memory, size_t size,
     return self;
 }
 
-jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
-    uint32_t steps)
+jiwy_state jiwy_advance(jiwy_instance *self, int64_t until, uint32_t steps)
 {
     jiwy_state state = JIWY_REFUSED;
     switch (csp_advance(&self->network.kernel, until, steps)) {
@@ -291,8 +288,7 @@ jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
         return JIWY_REFUSED;
     }
     if (csp_is_driving(&self->network.kernel)) {
-        if ((self->hooks.fault != NULL)
-            && ((state == JIWY_FAILED) || (state == JIWY_DEADLOCK))) {
+        if ((self->hooks.fault != NULL) && ((state == JIWY_FAILED) || (state == JIWY_DEADLOCK))) {
             self->hooks.fault(self->hooks.context, self);
         }
         csp_release_outputs(&self->network.kernel);
@@ -310,14 +306,12 @@ void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters)
     *parameters = self->network.parameters;
 }
 
-bool jiwy_set(jiwy_instance *self,
-    const jiwy_parameters *parameters)
+bool jiwy_set(jiwy_instance *self, const jiwy_parameters *parameters)
 {
     return network_set(&self->network, parameters);
 }
 
-jiwy_refusal jiwy_why_refused(const jiwy_instance *self,
-    jiwy_parameter *parameter)
+jiwy_refusal jiwy_why_refused(const jiwy_instance *self, jiwy_parameter *parameter)
 {
     if (parameter != NULL) {
         *parameter = (jiwy_parameter)self->network.refusal.parameter;
@@ -358,9 +352,11 @@ static uint32_t identity(void)
 {
     uint32_t sum = csp_checksum(CSP_CHECKSUM_BEGIN, &build, sizeof build);
     const uintptr_t fixed[] = {
-        sizeof(jiwy_instance), (uintptr_t)&build - (uintptr_t)&network_program,
+        sizeof(jiwy_instance),
+        (uintptr_t)&build - (uintptr_t)&network_program,
         (uintptr_t)network_program.ports - (uintptr_t)&network_program,
-        (uintptr_t)&network_pointers - (uintptr_t)&network_program};
+        (uintptr_t)&network_pointers - (uintptr_t)&network_program
+    };
     sum = csp_checksum(sum, fixed, sizeof fixed);
     for (uint32_t index = 0U; index < CSP_NETWORK_FUNCTIONS; index++) {
         uintptr_t distance = 0U;
@@ -485,8 +481,7 @@ static jiwy_cause cause_of(const csp_error *error)
     }
 }
 
-bool jiwy_diagnose(const jiwy_instance *self,
-    jiwy_failure *failure)
+bool jiwy_diagnose(const jiwy_instance *self, jiwy_failure *failure)
 {
     const csp_kernel *const csp = &self->network.kernel;
     const csp_error *const error = &csp->error;
@@ -574,6 +569,5 @@ void jiwy_write_times(const jiwy_times *times, uint32_t hertz,
 
 bool jiwy_joystick_buttons(jiwy_instance *self, int64_t value)
 {
-    return csp_event_bring(&self->network.kernel,
-        &self->network.external.joystick_buttons, &value);
+    return csp_event_bring(&self->network.kernel, &self->network.external.joystick_buttons, &value);
 }

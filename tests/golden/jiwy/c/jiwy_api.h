@@ -148,8 +148,7 @@ typedef struct jiwy_hooks {
     /* Nanoseconds; 0 or less: the greatest common divisor of the periods, or 1 ms. */
     int64_t grid;
     /* Hands this output over. `safe`: it is its safe value, and its last. */
-    void (*actuate)(void *context, jiwy_output output,
-        const jiwy_outputs *outputs, bool safe);
+    void (*actuate)(void *context, jiwy_output output, const jiwy_outputs *outputs, bool safe);
     /* Around accesses to events that other threads or interrupt handlers bring. May be nested: the
      * result of `lock` is passed to `unlock`.
      */
@@ -189,14 +188,12 @@ typedef enum jiwy_state {
  * values first; no event function may run meanwhile. If something is wrong it does nothing, returns
  * NULL, and says what it is in `*reason`, which is NULL otherwise; `reason` may be NULL.
  */
-jiwy_instance *jiwy_begin(void *memory, size_t size,
-    const jiwy_hooks *hooks, const char **reason);
+jiwy_instance *jiwy_begin(void *memory, size_t size, const jiwy_hooks *hooks, const char **reason);
 
 /* Runs everything that is due up to the instant, with at most this number of steps of processes.
  * Never waits. The last instant of any run is 9223372036 s, after 292 years.
  */
-jiwy_state jiwy_advance(jiwy_instance *self, int64_t until,
-    uint32_t steps);
+jiwy_state jiwy_advance(jiwy_instance *self, int64_t until, uint32_t steps);
 
 /* Whether the run continues after this result of jiwy_advance. */
 static inline bool jiwy_continues(jiwy_state state)
@@ -213,8 +210,7 @@ void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters);
 /* Changes the parameters, between two steps: from the next instant on, everything uses them.
  * False: nothing was done. Values of enums are not tested, here and in events.
  */
-bool jiwy_set(jiwy_instance *self,
-    const jiwy_parameters *parameters);
+bool jiwy_set(jiwy_instance *self, const jiwy_parameters *parameters);
 
 /* The parameters, and constants that follow from them. */
 typedef enum jiwy_parameter {
@@ -229,8 +225,7 @@ typedef enum jiwy_refusal {
 } jiwy_refusal;
 
 /* Why the last jiwy_set did nothing, and because of which parameter, unless that is NULL. */
-jiwy_refusal jiwy_why_refused(const jiwy_instance *self,
-    jiwy_parameter *parameter);
+jiwy_refusal jiwy_why_refused(const jiwy_instance *self, jiwy_parameter *parameter);
 
 /* The next instant at which something is due; INT64_MAX, to which no run advances: nothing but
  * events, so wait for one.
@@ -271,8 +266,7 @@ bool jiwy_restore(jiwy_instance *self, const jiwy_memory *copy);
 void jiwy_describe(jiwy_instance *self, char *text, size_t size);
 
 /* Why the run has failed, without a text; false: it has not. */
-bool jiwy_diagnose(const jiwy_instance *self,
-    jiwy_failure *failure);
+bool jiwy_diagnose(const jiwy_instance *self, jiwy_failure *failure);
 
 /* The name of a channel or port, and of a process; "" if there is none of this number, or sources
  * are compiled without -DCSP_TRACE_HOOK=1.
