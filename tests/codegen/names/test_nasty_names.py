@@ -315,6 +315,45 @@ def test_ports_with_names_of_functions_of_their_class_and_of_the_network() -> No
     assert complaints("connect", PROGRAM.format(**names), 0) == ""
 
 
+HIDING = """
+parameter {tuned} : double = 2.0
+submodel Law({of_law} : double) {{
+  in  x : double
+  out y : double
+  state s : double = 1
+  let {let} = x * {of_law}
+  y = {let} + s + {tuned}
+  der s = x / 1<s>
+}}
+process Motor({of_process} : double) {{
+  in  x : double @ 2 ms
+  out y : double @ 2 ms
+  communication {{ law : Law({of_law} = {of_process})  x -> law.x  law.y -> y }}
+  composition {{ mu law }}
+}}
+process Top {{
+  in  x : double @ 2 ms
+  out y : double @ 2 ms
+  communication {{ motor : Motor({of_process} = 1 + {tuned})  x -> motor.x  motor.y -> y }}
+  composition {{ motor }}
+}}
+environment Bench for Top step 1 ms {{ plant : Law({of_law} = 0.5)  y -> plant.x  plant.y -> x }}
+"""
+
+
+@pytest.mark.parametrize("file", ["top", "network"])
+@pytest.mark.parametrize("word", ["class", "places", "step", "initialize", "reset", "calculate", "slopes", "integrate"])
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_no_parameter_hides_a_function_of_its_class(word: str, file: str, tmp_path: Path) -> None:
+    names = {"tuned": f"motor_{word}", "of_law": f"law_{word}", "let": f"motor_law_{word}", "of_process": f"law_{word}"}
+    path = tmp_path / f"{file}.csp"
+    path.write_text(HIDING.format(**names))
+    program = cspdiag.load(path)
+    expected = program.run(until="20 ms", level="reference")
+    for level in (0, 1):
+        assert (*program.run(until="20 ms", target="c", level=level)["y"],) == (*expected["y"],)
+
+
 CONSTANTS = """
 parameter qgain : double = {sum}
 const qfollows = qgain + {sum}

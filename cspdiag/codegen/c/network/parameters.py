@@ -84,10 +84,10 @@ class ParameterText:
             return []
         return [
             "/* Sets the parameters, between two steps; false: nothing was done, and `refusal` says why. */",
-            f"bool network_set(struct network *self, const {self.struct} *parameters);",
+            f"bool network_change_parameters(struct network *self, const {self.struct} *parameters);",
             "",
             "/* The values of the text. */",
-            f"extern const {self.struct} network_defaults;",
+            f"extern const {self.struct} network_default_parameters;",
             "",
         ]
 
@@ -99,8 +99,8 @@ class ParameterText:
         """The statements that give them their first values."""
         if not self.own:
             return []
-        stored = store(own("parameters"), "network_defaults")
-        given = run(ignored(call("network_set", "self", "parameters")))
+        stored = store(own("parameters"), "network_default_parameters")
+        given = run(ignored(call("network_change_parameters", "self", "parameters")))
         return [stored, run(ignored(call("follow", "self"))), *choose(code("parameters != NULL"), [given])]
 
     def functions(self) -> list[str]:
@@ -132,7 +132,7 @@ class ParameterText:
         entries = tuple(
             (f".{self.names.parameters[item.name]}", self.types.initial(item.value, item.type)) for item in self.own
         )
-        return define(f"const {self.struct}", "network_defaults", Aggregate(entries))
+        return define(f"const {self.struct}", "network_default_parameters", Aggregate(entries))
 
     def _place(self, item: Declared) -> str:
         return self.names.place(item.span.file, item.span.line)
@@ -173,7 +173,7 @@ class ParameterText:
 
     def _set(self) -> Function:
         return Function(
-            "bool network_set",
+            "bool network_change_parameters",
             ("struct network *self", f"const {self.struct} *parameters"),
             (
                 define(f"const {self.struct}", "before", own("parameters")),
@@ -188,7 +188,7 @@ class ParameterText:
 
     def _set_any(self) -> list[Statement]:
         enclosing = call("CSP_ENCLOSING", CSP, "struct network", "kernel")
-        made = return_value(call("network_set", enclosing, "parameters"))
+        made = return_value(call("network_change_parameters", enclosing, "parameters"))
         return [Function("static bool set_parameters", ("csp_kernel *csp", "const void *parameters"), (made,))]
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from cspdiag.codegen.c.text.reserved import is_reserved
 from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, stem, with_underscores, words
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.network import Network, SubmodelClass
 
 
 def identifier(text: str) -> str:
@@ -123,7 +124,8 @@ _INTERFACE_CONSTANTS = words(
 _NETWORK_NAMES = words(
     """
     external present brought port_table process_name channel_name exception_names copy_name refuse follow set_parameters
-    network_initialize network_set network_program network_drivers network_defaults network_variable_names
+    network_initialize network_program network_drivers network_change_parameters network_default_parameters
+    network_variable_names
     network_process_names network_process_count network_process_kinds
     network_channel_names network_channel_sizes network_channel_count
     """
@@ -194,8 +196,9 @@ class PackageNames(Package):
         }
         for name in by_hand.values():
             self._names.fresh(name)
+        variables = frozenset(_variables(network))
         self.classes: Mapping[str, str] = {
-            entry.name: by_hand[entry.definition] if entry.external else self._fresh(entry.name)
+            entry.name: by_hand[entry.definition] if entry.external else self._name_of_class(entry.name, variables)
             for entry in network.classes
         }
         self.environments: Mapping[str, str] = {
@@ -235,5 +238,21 @@ class PackageNames(Package):
         """The same of a constant, in upper case."""
         return self._names.fresh(f"{self.prefix}_{as_one_word(name)}".upper())
 
+    def _name_of_class(self, name: str, variables: Collection[str]) -> str:
+        """A new name with which no function or table has the name of one of the ``variables``, which would hide it."""
+        while True:
+            found = self._fresh(name)
+            if not any(f"{found}_{own}" in variables for own in _OWN):
+                return found
+
     def _fresh(self, name: str) -> str:
         return self._names.fresh(stem(snake_case(name)))
+
+
+def _variables(network: Network) -> Iterator[str]:
+    """Names that functions may have for parameters and variables of their own."""
+    for entry in network.classes:
+        yield from (identifier(item.name) for item in entry.parameters)
+        if isinstance(entry, SubmodelClass):
+            named = (*entry.constants, *entry.states, *entry.equations, *entry.derivative_equations)
+            yield from (identifier(item.name) for item in named if not isinstance(item, ExternalCall))

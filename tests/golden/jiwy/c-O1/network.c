@@ -70,7 +70,7 @@ static void channel_name(uint32_t number, char *text, size_t size)
 #endif
 
 /* The values of the text. */
-const struct jiwy_parameters network_defaults = {
+const struct jiwy_parameters network_default_parameters = {
     .panGains = {
         .kp = 2.6,
         .tauD = 50 * CSP_MS,
@@ -113,7 +113,7 @@ static bool follow(struct network *self)
     return true;
 }
 
-bool network_set(struct network *self, const struct jiwy_parameters *parameters)
+bool network_change_parameters(struct network *self, const struct jiwy_parameters *parameters)
 {
     const struct jiwy_parameters before = self->parameters;
     self->parameters = *parameters;
@@ -128,7 +128,7 @@ bool network_set(struct network *self, const struct jiwy_parameters *parameters)
 
 static bool set_parameters(csp_kernel *csp, const void *parameters)
 {
-    return network_set(CSP_ENCLOSING(csp, struct network, kernel), parameters);
+    return network_change_parameters(CSP_ENCLOSING(csp, struct network, kernel), parameters);
 }
 
 static const char *const exception_names[] = {"ModeFailed"};
@@ -158,10 +158,10 @@ void network_initialize(struct network *self, const struct network_drivers *driv
     csp_numbers numbers = {.csp = csp, .process = 1U, .channel = 0U};
     (void)memset(self, 0, sizeof(*self));
     csp_build(csp, &network_program, hooks);
-    self->parameters = network_defaults;
+    self->parameters = network_default_parameters;
     (void)follow(self);
     if (parameters != NULL) {
-        (void)network_set(self, parameters);
+        (void)network_change_parameters(self, parameters);
     }
     csp_sampled_input_init(&self->external.joystick_horizontal, 0U, 2 * CSP_MS,
         &self->present.joystick_horizontal, &drivers->joystick_horizontal);

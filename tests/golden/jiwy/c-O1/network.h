@@ -59,10 +59,10 @@ void network_initialize(struct network *self, const struct network_drivers *driv
     const csp_hooks *hooks, const struct jiwy_parameters *parameters);
 
 /* Sets the parameters, between two steps; false: nothing was done, and `refusal` says why. */
-bool network_set(struct network *self, const struct jiwy_parameters *parameters);
+bool network_change_parameters(struct network *self, const struct jiwy_parameters *parameters);
 
 /* The values of the text. */
-extern const struct jiwy_parameters network_defaults;
+extern const struct jiwy_parameters network_default_parameters;
 
 /* An interrupt handler brings an event; the latest counts. True: one before it is unread. */
 bool network_bring_joystick_buttons(struct network *self, int64_t value);

@@ -298,7 +298,7 @@ jiwy_state jiwy_advance(jiwy_instance *self, int64_t until, uint32_t steps)
 
 void jiwy_defaults(jiwy_parameters *parameters)
 {
-    *parameters = network_defaults;
+    *parameters = network_default_parameters;
 }
 
 void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters)
@@ -308,7 +308,7 @@ void jiwy_get(const jiwy_instance *self, jiwy_parameters *parameters)
 
 bool jiwy_set(jiwy_instance *self, const jiwy_parameters *parameters)
 {
-    return network_set(&self->network, parameters);
+    return network_change_parameters(&self->network, parameters);
 }
 
 jiwy_refusal jiwy_why_refused(const jiwy_instance *self, jiwy_parameter *parameter)
