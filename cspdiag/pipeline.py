@@ -382,7 +382,7 @@ def generate(
     from cspdiag.codegen import TARGETS, external_modules
     from cspdiag.codegen.options import Options
 
-    modules = {path: read(path).text for path in external_modules(network, target)}
+    modules = external_modules(network, read, target)
     options = Options(
         level=level,
         traced=traced,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from cspdiag.codegen.options import Generator, Options
 
 if TYPE_CHECKING:
+    from cspdiag.base import SourceFile
     from cspdiag.network.ir.network import CoreNetwork
 
 
@@ -60,16 +61,16 @@ def target_errors() -> type[ValueError]:
     return TargetError
 
 
-def external_modules(network: CoreNetwork, target: str = "python") -> tuple[str, ...]:
-    """The files of external bodies to read and hand to a target, as paths joined to the folder of the file that names
-    them.
+def external_modules(network: CoreNetwork, read: Callable[[str], SourceFile], target: str = "python") -> dict[str, str]:
+    """The texts of the files of external bodies to hand to a target, by their paths joined to the folder of the file
+    that names them; of those in C also what they include. Raises OSError for a file that cannot be read.
     """
     if target in {"promela", "cspm"}:
-        return ()
+        return {}
     if target in {"c", "fmu"}:
-        from cspdiag.codegen.c.laws import external
+        from cspdiag.codegen.c.laws.external import external_texts
 
-        return external.external_paths(network)
+        return external_texts(network, read)
     from cspdiag.codegen.python.plain.external import external_paths
 
-    return external_paths(network)
+    return {path: read(path).text for path in external_paths(network)}

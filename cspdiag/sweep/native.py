@@ -64,7 +64,7 @@ def native_source(network: CoreNetwork, environment: Environment | None, reader:
 
     if environment is not None:
         refuse_devices(environment)
-    modules = {path: reader(path).text for path in external_modules(network, "c")}
+    modules = external_modules(network, reader, "c")
     files = generate(network, modules, environment)
     files = {**files, PARTS: support_files()[PARTS.rpartition("/")[2]]}
     assert NAMES in files

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
+from cspdiag.base import SourceFile
 from cspdiag.base.record import replaced
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_bodies, files_of_body
 from cspdiag.network.ir.network import Environment, Network
+
+_INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*\"([^\"/\\\n]+)\"", re.MULTILINE)
 
 
 def c_bodies(network: Network) -> Iterator[ExternalBody]:
@@ -30,9 +35,28 @@ def header_of(body: ExternalBody) -> str:
     return posixpath.basename(source_paths(body)[1])
 
 
-def external_paths(network: Network) -> tuple[str, ...]:
-    """The paths of all hand-written files that a network needs."""
-    return tuple(dict.fromkeys(path for body in c_bodies(network) for path in source_paths(body)))
+def external_texts(network: Network, read: Callable[[str], SourceFile]) -> dict[str, str]:
+    """The texts of all hand-written files that a network needs, by path: sources and headers of bodies, and headers
+    beside them that these include. Raises OSError if a source or a header of a body cannot be read.
+    """
+    found = {path: read(path).text for body in c_bodies(network) for path in source_paths(body)}
+    pending = list(found)
+    while pending:
+        path = pending.pop()
+        for included in included_beside(path, found[path]):
+            if included in found:
+                continue
+            try:
+                found[included] = read(included).text
+            except OSError:  # It is generated, belongs to the kernel, or is found by the compiler.
+                continue
+            pending.append(included)
+    return found
+
+
+def included_beside(path: str, text: str) -> Iterator[str]:
+    """The paths of what a file includes by a name without a folder."""
+    return (posixpath.join(posixpath.dirname(path), name) for name in _INCLUDED.findall(text))
 
 
 def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:
@@ -51,7 +75,14 @@ def device_files(environments: Iterable[Environment], texts: Mapping[str, str]) 
 
 def _copies(bodies: Iterable[ExternalBody], texts: Mapping[str, str]) -> dict[str, str]:
     found: dict[str, str] = {}
-    for path in (path for body in bodies if body.language == "c" for path in source_paths(body)):
+    pending = deque(path for body in bodies if body.language == "c" for path in source_paths(body))
+    copied: set[str] = set()
+    while pending:
+        path = pending.popleft()
+        if path in copied:
+            continue
+        copied.add(path)
+        pending += (included for included in included_beside(path, texts.get(path, "")) if included in texts)
         name = posixpath.basename(path)
         if found.setdefault(name, path) != path:
             raise TargetError(f"{found[name]} and {path} would both be {name} in the package: rename one of them")

@@ -386,3 +386,18 @@ def test_a_law_that_calculates_no_value_of_an_enumeration_faults(
     run = native.simulate(network, read_source, level=level, until=50 * MS, options=("-O0",))
     assert run.outcome.ended == "failed"
     assert "7 is no value of Mode, in " in str(run.outcome.error)
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_headers_beside_a_law_are_copied_with_it(compiler: str, tmp_path: Path) -> None:
+    (tmp_path / "filter.h").write_text('#pragma once\n#include "real.h"\nstruct filter { real *now, taps[TAPS]; };\n')
+    (tmp_path / "real.h").write_text("#pragma once\n#define TAPS 12\ntypedef double real;\n")
+    (tmp_path / "unused.h").write_text("#error this is of another program\n")
+    header = LAW.replace("#include <stdint.h>", '#include <stdint.h>\n#include "filter.h"')
+    members = "real level, opening; int64_t count; struct filter filter;"
+    assert compiled(tmp_path, compiler, members, header, nested=False) == ""
+    package = tmp_path / "package"
+    assert (package / "real.h").exists()
+    assert not (package / "unused.h").exists()
+    assert "struct valve, filter)" in (package / "network_pointers.c").read_text()
