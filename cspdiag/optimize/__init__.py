@@ -16,17 +16,26 @@ from cspdiag.network.ir.network import Continued, CoreNetwork, FewerElements, Ne
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.bookkeeping import drop_bookkeeping
 from cspdiag.optimize.check.network import require_valid
-from cspdiag.optimize.constants import fold_constants
+from cspdiag.optimize.constants.folding import fits, folded
+from cspdiag.optimize.constants.propagation import fold_constants, fold_constants_alike
 from cspdiag.optimize.dead.steps import remove_dead_parts
 from cspdiag.optimize.flatten.processes import flatten
-from cspdiag.optimize.folding import fits, folded
 from cspdiag.optimize.fuse.program import explain_fusion, fuse
 from cspdiag.optimize.inline_laws import inline_laws
 from cspdiag.optimize.specialize import specialize
 from cspdiag.optimize.variables import variables
 from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
-__all__ = ["PASSES", "Pass", "explain_fusion", "lower_for_targets", "optimize", "pass_named", "with_all_elements"]
+__all__ = [
+    "PASSES",
+    "PASSES_FOR_LOOPS",
+    "Pass",
+    "explain_fusion",
+    "lower_for_targets",
+    "optimize",
+    "pass_named",
+    "with_all_elements",
+]
 
 
 @node
@@ -89,6 +98,12 @@ PASSES: tuple[Pass, ...] = (
     ),
 )
 """In the order in which they run; a pass may rely on those before it."""
+
+
+PASSES_FOR_LOOPS: tuple[Pass, ...] = tuple(
+    replaced(entry, apply=fold_constants_alike) if entry.name == "constants" else entry for entry in PASSES
+)
+"""The same for a target that writes steps which differ only in numbers as a loop, so they have to stay alike."""
 
 
 def pass_named(name: str) -> Pass:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from cspdiag.base import SourceFile
 from cspdiag.network.dump.network import dump
 from cspdiag.network.ir.network import Network
-from cspdiag.optimize import PASSES, Pass, optimize
+from cspdiag.optimize import PASSES, PASSES_FOR_LOOPS, Pass, optimize
 from cspdiag.semantics.execute import execute
 from cspdiag.semantics.trace import Execution
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments, network_of, read
@@ -23,7 +23,11 @@ from tests.properties.programs import programs
 ALONE: dict[str, tuple[Pass, ...]] = {entry.name: tuple(dict.fromkeys((PASSES[0], entry))) for entry in PASSES}
 """Each pass on the result of the first one, without which no class knows how it is connected."""
 
-SELECTIONS = {**{f"{name} alone": passes for name, passes in ALONE.items()}, "all": PASSES}
+SELECTIONS = {
+    **{f"{name} alone": passes for name, passes in ALONE.items()},
+    "all": PASSES,
+    "all for loops": PASSES_FOR_LOOPS,
+}
 
 
 @cache
@@ -82,7 +86,7 @@ def selections() -> st.SearchStrategy[tuple[Pass, ...]]:
     some = st.sets(st.sampled_from(PASSES)).map(
         lambda chosen: (PASSES[0], *(entry for entry in PASSES[1:] if entry in chosen))
     )
-    return st.just(PASSES) | some
+    return st.sampled_from([PASSES, PASSES_FOR_LOOPS]) | some
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))

@@ -20,7 +20,7 @@ from cspdiag.network.ir.expressions import (
     VariableValue,
 )
 from cspdiag.network.ir.faults import may_fault
-from cspdiag.optimize.folding import LIBRARY_FUNCTIONS, folded_with
+from cspdiag.optimize.constants.folding import LIBRARY_FUNCTIONS, folded_with
 from cspdiag.semantics.values import FaultError, value_of
 
 INT8 = IntType(bits=8)

@@ -22,10 +22,7 @@ def rewritten(item: T, change: Callable[[Any], Any]) -> T:
     if isinstance(item, tuple):
         entries: Any = tuple([rewritten(entry, change) for entry in item]) if item else item
         return item if all(map(is_, entries, item)) else entries
-    try:
-        names = _INSIDE[type(item)]
-    except KeyError:
-        names = _INSIDE[type(item)] = _names_inside(item)
+    names = fields_inside(item)
     if names is None:
         return item
     changes = {}
@@ -43,6 +40,15 @@ _INSIDE: dict[type, tuple[str, ...] | None] = {}
 """The fields of a record to search, by type; None if it is not a record. Cached, since networks have millions of
 parts.
 """
+
+
+def fields_inside(item: object) -> tuple[str, ...] | None:
+    """The fields of a record in which there may be others; None for everything else."""
+    try:
+        return _INSIDE[type(item)]
+    except KeyError:
+        names = _INSIDE[type(item)] = _names_inside(item)
+        return names
 
 
 def _names_inside(item: object) -> tuple[str, ...] | None:

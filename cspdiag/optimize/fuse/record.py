@@ -11,7 +11,7 @@ from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import channels_written
-from cspdiag.optimize.folding import folded_with
+from cspdiag.optimize.constants.folding import folded_with
 from cspdiag.optimize.fuse.code import NotStaticError
 from cspdiag.optimize.fuse.media import Offer
 

@@ -8,7 +8,7 @@ from typing import Protocol, assert_never
 from cspdiag.network.flow.code import Communication
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, LiteralValue
-from cspdiag.optimize.folding import is_literal
+from cspdiag.optimize.constants.folding import is_literal
 from cspdiag.optimize.fuse.code import NotStaticError
 from cspdiag.optimize.fuse.media import Medium, Offer, Place
 from cspdiag.semantics.choice import Choose

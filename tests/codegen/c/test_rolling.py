@@ -86,6 +86,8 @@ def test_branches_of_a_parallel_that_differ_in_numbers_share_their_code(level: i
 
 
 SCAN = """
+const taps : double[16] = [1, 2, 3, 4, 5, 6, 7, 8, 7, 6, 5, 4, 3, 2, 1, 0.5]
+
 process Scan {
   in  low[16]  : double @ 10 ms
   in  high[16] : double @ 10 ms
@@ -95,6 +97,7 @@ process Scan {
     var v     : double[16] = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
     var w     : double     = 0
     var total : double     = 0
+    var count : int        = 0
   }
 
   composition {
@@ -218,3 +221,32 @@ def test_steps_between_waits_are_counted_by_a_local_variable() -> None:
     assert "for (uint32_t i = 0U; i < 16U; i++) {" in text
     assert text.count("csp_real(") == 1
     assert "self->turn" not in text
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize(
+    ("body", "inside"),
+    [
+        ("(seq i < 16 : total := total + taps[i] * v[i])", "taps.at[i] * self->v.at[i]"),
+        ("(seq i < 16 : total := total + (if i == 0 then 0 else v[i - 1]))", "((int64_t)i == 0) ? 0.0 : self->v.at["),
+        ("(seq i < 16 : total := total + double(i) * w)", "(double)(int64_t)i * self->w"),
+        ("(seq i < 16 : count := count + i)", "csp_add(csp, self->count, (int64_t)i)"),
+        ("(seq i < 16 : count := count + i * i % 7)", "(int64_t)i * (int64_t)i % 7"),
+        ("(seq i < 4 : (seq j < 4 : count := count + i * j))", "(int64_t)i * (int64_t)i_2"),
+    ],
+)
+def test_constants_in_turns_leave_them_a_loop(body: str, inside: str, level: int) -> None:
+    """At -O1 turns have one text, not each the number that it computes with."""
+    text = " ".join(scan(f"low[0] ? w ; low[1] ? v[3] ; {body}", level).split())
+    assert "for (uint32_t i = 0U; i < " in text
+    assert text.count(inside) == 1
+
+
+def test_conditions_of_steps_are_decided_turn_by_turn() -> None:
+    text = scan("(seq i < 16 : (if i < 8 then count := count + 1 else (low[i] ? w)))", level=1)
+    assert "if (" not in text.split("case FAILS:")[0].replace("if (csp_", "")
+
+
+def test_a_table_without_a_name_is_not_written_out_in_each_turn() -> None:
+    text = scan("low[0] ? w ; low[1] ? v[1] ; (seq i < 3 : total := total + ([0.5, 0.25, 0.125])[i] * v[i])", level=1)
+    assert "0.5 * self->v.at[0]" in text

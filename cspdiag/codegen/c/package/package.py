@@ -35,7 +35,7 @@ from cspdiag.codegen.shared.plain_text import one_line
 from cspdiag.codegen.shared.render import renderer
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.network import CoreNetwork, Environment, Network, ProcessClass
-from cspdiag.optimize import PASSES, lower_for_targets, optimize
+from cspdiag.optimize import PASSES_FOR_LOOPS, lower_for_targets, optimize
 
 _SIMULATION = (
     "csp_linear.c",
@@ -126,7 +126,7 @@ _last_lowered: list[tuple[ref[CoreNetwork], tuple[int, bool], Network]] = []
 def _lowered(network: CoreNetwork, level: int, observed: bool) -> Network:
     if level == 0:
         return lower_for_targets(network)
-    return optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if observed else PASSES)
+    return optimize(network, [entry for entry in PASSES_FOR_LOOPS if not (observed and entry.name == "fuse")])
 
 
 @record

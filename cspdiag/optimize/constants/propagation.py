@@ -25,13 +25,16 @@ from cspdiag.network.ir.expressions import (
 from cspdiag.network.ir.network import ConstantEnd, InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import channels_written, parts
 from cspdiag.optimize.changes import changed, in_sequence
+from cspdiag.optimize.constants.folding import folded, is_literal
+from cspdiag.optimize.constants.turns import folded_alike
 from cspdiag.optimize.dead.broadcasts import ends_at, possible_broadcasts
-from cspdiag.optimize.folding import folded, is_literal
 
 T = TypeVar("T")
 
 Literals: TypeAlias = "dict[str, LiteralValue]"
 Known: TypeAlias = "LiteralValue | ParameterValue | SignalValue"
+Rewriting: TypeAlias = "Callable[[ir.Action, Callable[[Any], Any]], ir.Action]"
+"""Applies a change to every record in an action, innermost first."""
 Outputs: TypeAlias = "Mapping[str, set[str]]"
 """The outputs of each class."""
 
@@ -40,13 +43,22 @@ def fold_constants(network: Network) -> Network:
     """The network with constants propagated, parameters removed that are no longer needed, and constant conditions
     decided.
     """
+    return _folded(network, rewritten)
+
+
+def fold_constants_alike(network: Network) -> Network:
+    """The same for targets that have loops: steps that differ only in numbers that count still do afterwards."""
+    return _folded(network, folded_alike)
+
+
+def _folded(network: Network, in_body: Rewriting) -> Network:
     classes = {entry.name: entry for entry in network.classes}
     given: dict[str, Literals | None] = {network.top: _arguments_of_top(network)}
     outputs = {name: {port.name for port in entry.ports if port.direction == "out"} for name, entry in classes.items()}
     results: dict[str, ProcessClass | SubmodelClass] = {}
     for entry in reversed(network.classes):
         if isinstance(entry, ProcessClass) and entry.external is None:
-            folded_class = _class(entry, given.get(entry.name) or {}, outputs)
+            folded_class = _class(entry, given.get(entry.name) or {}, outputs, in_body)
             for instance in folded_class.instances:
                 _keep_common_arguments(given, instance)
             results[entry.name] = folded_class
@@ -90,7 +102,7 @@ def _same(one: Value, other: Value) -> bool:
     return repr(one) == repr(other)
 
 
-def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> ProcessClass:
+def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs, in_body: Rewriting) -> ProcessClass:
     """The class with known values propagated, repeatedly as long as more values become known."""
     broadcasts = possible_broadcasts(entry)
     while True:
@@ -106,7 +118,7 @@ def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> Proce
             channels=tuple(rewritten(item, fold) for item in entry.channels),
             instances=tuple([_with_known_values(instance, fold) for instance in entry.instances]),
             ports=tuple(rewritten(item, fold) for item in entry.ports),
-            body=None if entry.body is None else rewritten(entry.body, _folding_and_deciding(fold, broadcasts)),
+            body=None if entry.body is None else in_body(entry.body, _folding_and_deciding(fold, broadcasts)),
         )
         if result == entry:
             return result

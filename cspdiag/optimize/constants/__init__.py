@@ -1,0 +1,1 @@
+"""Constant propagation, and what follows from constants."""
