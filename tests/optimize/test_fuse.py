@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, note, settings
 
 from cspdiag.base import SourceFile
 from cspdiag.network.dump.network import dump
-from cspdiag.network.ir.actions import Repeat, ReportCommunication, RunInstance
+from cspdiag.network.ir.actions import ReadValue, Repeat, ReportCommunication, RunInstance
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize import PASSES, optimize
@@ -330,6 +330,33 @@ def test_iterations_that_are_only_counted_become_a_loop(sent: str, loops: int) -
     assert len(after.instances) == 1, explain_fusion(before)
     assert sum(isinstance(part, Repeat) for part in parts(after.class_named("Top"))) == loops
     assert_same(before, after, 30_000_000)
+
+
+RATES = program(
+    "process Fast {\n  in r : double\n  in x : double @ 1 ms\n  out y : double @ 1 ms\n"
+    "  communication { var v : double = 0  var w : double = 0 }\n"
+    "  composition { mu (r ? w -> skip []> x ? v -> y ! v + w) }\n}\n"
+    "process Middle {\n  in r : double\n  in x : double @ 5 ms\n  out o : double\n"
+    "  communication { var v : double = 0  var w : double = 0 }\n"
+    "  composition { mu (r ? w -> skip []> x ? v -> o ! v - w) }\n}\n"
+    "process Slow {\n  in x : double @ 50 ms\n  out o : double\n  communication { var v : double = 0 }\n"
+    "  composition { mu (x ? v ; o ! v) }\n}\n",
+    "    f : Fast\n    m : Middle\n    s : Slow\n    a -> f.x\n    b -> m.x\n    c -> s.x\n    f.y -> u\n"
+    "    m.o -> f.r\n    s.o -> m.r",
+    "f ||> m ||> s",
+    "  in a : double @ 1 ms\n  in b : double @ 5 ms\n  in c : double @ 50 ms\n  out u : double @ 1 ms",
+    PLANT
+    + "environment Bench for Top { plant : Plant\n  u -> plant.u\n  plant.x -> a\n  plant.x -> b\n  plant.y -> c\n  }",
+)
+
+
+def test_three_rates_are_loops_in_one_another() -> None:
+    before = optimize(network_of(SourceFile(name="rates.csp", text=RATES)), BEFORE)
+    after = fuse(before)
+    assert len(after.instances) == 1, explain_fusion(before)
+    reads = [part for part in parts(after.class_named("Top")) if isinstance(part, ReadValue)]
+    assert len(reads) == 3, "no loop is written out in the turns of a slower one"
+    assert_same(before, after, 200_000_000)
 
 
 @pytest.mark.parametrize("text", FUSED.values(), ids=FUSED)

@@ -1,4 +1,4 @@
-"""Rolls consecutive repetitions of the same steps into loops that count."""
+"""Rolls consecutive repetitions of the same steps into loops that count, also in one another."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ def rolled(steps: Sequence[Action], counter: Callable[[], str]) -> list[Action]:
     while position < len(steps):
         length, times = _best_repetition(sequence, position)
         if length * (times - 1) >= LEAST_SAVED:
-            result += _loop(steps[position : position + length], times, counter())
+            name = counter()
+            result += _loop(rolled(steps[position : position + length], counter), times, name)
             position += length * times
         else:
             result.append(steps[position])
