@@ -117,6 +117,14 @@ def test_ros2(examples: Path) -> None:
         "ended by itself",
         "level 0.61, opening 0",
     ]
+    failed = subprocess.run([example / "made" / "tank_node", "executor"], capture_output=True, text=True, check=False)
+    assert (failed.returncode, failed.stdout.splitlines()) == (1, ["lamp 0 at 505 ms", "the executor fails"])
+    assert run(example / "made" / "tank_node", "publisher").splitlines()[:4] == [
+        "an output is not published: the publisher fails",
+        "an output is not published: the publisher fails",
+        "lamp 0 at 400 ms",
+        "stopped",
+    ]
     # Ctrl-C: rclcpp's own handler would end communication before the safe values are published.
     assert run(example / "made" / "tank_node", "interrupt").splitlines() == [
         "lamp 0 at 510 ms",

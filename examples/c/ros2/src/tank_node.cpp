@@ -4,6 +4,7 @@
 // single-threaded executor runs all callbacks.
 #include <chrono>
 #include <csignal>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -86,16 +87,24 @@ private:
     return known_;
   }
 
-  void actuate(tank_output output, const tank_outputs & outputs)
+  // Called from C, which no exception passes through.
+  void actuate(tank_output output, const tank_outputs & outputs) noexcept
   {
-    if (output == TANK_OUT_OPENING) {
-      std_msgs::msg::Float64 message;
-      message.data = outputs.opening;
-      opening_->publish(message);
-    } else {
-      std_msgs::msg::Bool message;
-      message.data = outputs.lamp;
-      lamp_->publish(message);
+    try {
+      if (output == TANK_OUT_OPENING) {
+        std_msgs::msg::Float64 message;
+        message.data = outputs.opening;
+        opening_->publish(message);
+      } else {
+        std_msgs::msg::Bool message;
+        message.data = outputs.lamp;
+        lamp_->publish(message);
+      }
+    } catch (const std::exception & problem) {
+      RCLCPP_ERROR(get_logger(), "an output is not published: %s", problem.what());
+      if (tank_ != nullptr) {
+        tank_stop(tank_);
+      }
     }
   }
 
@@ -135,7 +144,13 @@ int main(int argc, char ** argv)
   rclcpp::init(argc, argv, rclcpp::InitOptions(), rclcpp::SignalHandlerOptions::None);
   (void)std::signal(SIGINT, on_signal);
   (void)std::signal(SIGTERM, on_signal);
-  rclcpp::spin(std::make_shared<TankNode>());
+  int status = 0;
+  try {
+    rclcpp::spin(std::make_shared<TankNode>());
+  } catch (const std::exception & problem) {  // Here the node has been destroyed, which publishes safe values.
+    RCLCPP_ERROR(rclcpp::get_logger("tank"), "%s", problem.what());
+    status = 1;
+  }
   rclcpp::shutdown();
-  return 0;
+  return status;
 }

@@ -1,6 +1,6 @@
 // What the example uses of rclcpp, as it declares it, on one executor in virtual time, where creating publishers and
 // subscriptions takes time, and one call of the timer is late. Topics connect the node to a plant; after half a second
-// somebody presses the button, or with the argument `interrupt` Ctrl-C.
+// somebody presses the button, or with the argument `interrupt` Ctrl-C, or with `executor` or `publisher` that fails.
 #pragma once
 
 #include <chrono>
@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -24,7 +25,7 @@ namespace doubled
 {
 inline std::int64_t present = 1'000'000;  // nanoseconds
 inline volatile std::sig_atomic_t ok = 1;  // after rclcpp::shutdown nothing is published
-inline bool interrupt = false;
+inline std::string cause;
 inline double opening = 0.0;
 inline double level = 0.2;
 inline std::function<void(const std_msgs::msg::Float64 &)> on_level;
@@ -84,6 +85,9 @@ public:
   explicit Publisher(std::string topic) : topic_(std::move(topic)) {}
   void publish(const Message & message)
   {
+    if (doubled::cause == "publisher" && topic_ == "opening" && doubled::present > 400'000'000) {
+      throw std::runtime_error("the publisher fails");
+    }
     if (doubled::ok != 0) {
       doubled::published(topic_, message);
     }
@@ -120,6 +124,12 @@ public:
 };
 
 class Logger {};
+
+inline Logger get_logger(const std::string & name)
+{
+  (void)name;
+  return {};
+}
 
 class Node
 {
@@ -174,7 +184,7 @@ inline void init(
   SignalHandlerOptions signal_handler_options = SignalHandlerOptions::All)
 {
   (void)init_options;
-  doubled::interrupt = argc > 1 && std::string(argv[1]) == "interrupt";
+  doubled::cause = argc > 1 ? argv[1] : "";
   if (signal_handler_options != SignalHandlerOptions::None) {
     (void)std::signal(SIGINT, [](int) {doubled::ok = 0;});
   }
@@ -189,8 +199,10 @@ inline void spin(const std::shared_ptr<Node> & node)
     std_msgs::msg::Float64 level;
     level.data = doubled::level;
     doubled::on_level(level);
-    if (turn == 101 && doubled::interrupt) {
+    if (turn == 101 && doubled::cause == "interrupt") {
       (void)std::raise(SIGINT);
+    } else if (turn == 101 && doubled::cause == "executor") {
+      throw std::runtime_error("the executor fails");
     } else if (turn == 101) {
       std_msgs::msg::Bool pressed;
       pressed.data = true;
@@ -208,3 +220,4 @@ inline void spin(const std::shared_ptr<Node> & node)
 }  // namespace rclcpp
 
 #define RCLCPP_INFO(logger, ...) ((void)(logger), std::printf(__VA_ARGS__), std::printf("\n"))
+#define RCLCPP_ERROR(logger, ...) RCLCPP_INFO(logger, __VA_ARGS__)
