@@ -354,6 +354,18 @@ def test_no_parameter_hides_a_function_of_its_class(word: str, file: str, tmp_pa
         assert (*program.run(until="20 ms", target="c", level=level)["y"],) == (*expected["y"],)
 
 
+@pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("roles", [("level", "drive", "field", "let"), ("event", "lamp", "variable", "input")])
+def test_names_of_macros_of_the_interface(roles: tuple[str, str, str, str], level: int) -> None:
+    first, second, third, fourth = roles
+    names = {role: f"{role[:1]}{number}q" for number, role in enumerate(ROLES)}
+    changed = {first: "TANK_SIZE", second: "TANK_PROCESSES", third: "TANK_SIZE", fourth: "TANK_PROCESSES"}
+    if third == "variable":
+        changed[third] = "TANK_SIZE_"
+    assert complaints("tank", PROGRAM.format(**(names | changed)), level) == ""
+
+
 CONSTANTS = """
 parameter qgain : double = {sum}
 const qfollows = qgain + {sum}

@@ -12,7 +12,7 @@ from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.interface.pointers import pointer_files
 from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.text.code import EQUALITY, Aggregate, Code, code, conditional, infix
-from cspdiag.codegen.c.text.documents import comment
+from cspdiag.codegen.c.text.documents import comment, value_remark
 from cspdiag.codegen.c.text.names import Names, PackageNames
 from cspdiag.codegen.c.text.statements import Block, Statement, define, lines, signature
 from cspdiag.codegen.c.text.types import CTypes
@@ -77,7 +77,7 @@ class Interface:
     @cached_property
     def members(self) -> Mapping[str, str]:
         """The members for the ports, by their keys; those of ``network.h``."""
-        names = Names()
+        names = Names(self.names.macros)
         return {port.key: names[port.key] for port in self.network.external_ports}
 
     @cached_property
@@ -188,7 +188,7 @@ class Interface:
         """The member for a port, or for an array of ports."""
         first = ports[0]
         extent = "" if first.index is None else f"[{len(ports)}]"
-        remark = " ".join(first.doc.split()) if first.doc else f"{self.network.top}.{name}"
+        remark = value_remark(first.doc or "", first.type, first.sampling)
         return define(self.types.type_name(first.type), f"{self.types.field(name)}{extent}", remark=remark)
 
     def _names(self, word: str, ports: Sequence[ExternalPort]) -> list[str]:
@@ -224,7 +224,8 @@ class Interface:
         return ["\n".join([*self._about(port), *self._bringer(port, ";")]) for port in self.events]
 
     def _about(self, port: ExternalPort) -> list[str]:
-        return comment([" ".join(port.doc.split())]) if port.doc else []
+        remark = value_remark(port.doc or "", port.type)
+        return comment([remark]) if remark else []
 
     def _bringer(self, port: ExternalPort, tail: str) -> list[str]:
         parameters = (f"{self.prefix}_instance *self", f"{self.types.type_name(port.type)} value")

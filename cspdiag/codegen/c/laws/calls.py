@@ -48,7 +48,8 @@ def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
     """The C names of the members of the struct of a law and of the local variables of its functions, by their names in
     the source text.
     """
-    members = Names() if class_.external is not None else Names({*names.globals, *INTEGRATION_LOCALS, STEPS, SUB_STEP})
+    own = () if class_.external is not None else (*names.globals, *INTEGRATION_LOCALS, STEPS, SUB_STEP)
+    members = Names((*own, *names.macros))
     for item in (*class_.ports, *class_.parameters, *class_.states):
         members[item.name]
     return members

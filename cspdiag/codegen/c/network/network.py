@@ -175,7 +175,7 @@ class _NetworkFiles:
         return ParameterText(self.network, self.names, self.types)
 
     def _members(self) -> Names:
-        members = Names()
+        members = Names(self.names.macros)
         for port in self.network.external_ports:
             members[port.key]
         return members
@@ -282,7 +282,8 @@ class _NetworkFiles:
         return statements
 
     def _initialize(self) -> Code:
-        struct, layout, members = self.names.classes[self.network.top], PortLayout(self.top), self._members()
+        struct, members = self.names.classes[self.network.top], self._members()
+        layout = PortLayout(self.top, self.names.macros)
         fields: list[tuple[str, Code]] = []
         for port in self.network.external_ports:
             designator = layout.designator(port.name.partition("[")[0], port.index)

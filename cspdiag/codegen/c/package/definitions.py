@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from cspdiag.codegen.c.text.code import AND, EQUALITY, INDENT, LINE_LENGTH, Atom, Code, call, code, infix
-from cspdiag.codegen.c.text.documents import comment, wrapped
+from cspdiag.codegen.c.text.documents import comment, value_remark, wrapped
 from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import Block, For, Function, Statement, define, lines, return_value, run, store
@@ -43,11 +43,11 @@ def _parameters(network: Network, name: str, types: CTypes) -> list[str]:
         define(
             types.type_name(parameter.type),
             types.names.parameters[parameter.name],
-            remark=" ".join(parameter.doc.split()) if parameter.doc else None,
+            remark=value_remark(parameter.doc or "", parameter.type),
         )
         for parameter in own
     ]
-    about = "The parameters of the program, which may change while it runs. Durations are in nanoseconds."
+    about = "The parameters of the program, which may change while it runs."
     return [*comment(wrapped(about)), *lines([Block(tuple(members), f"struct {name}_parameters", "};")]), ""]
 
 
@@ -99,7 +99,10 @@ def _in_order(network: Network, types: CTypes) -> Iterator[StructType | ArrayTyp
 def _struct(type_: StructType | ArrayType, types: CTypes) -> list[str]:
     name = types.type_name(type_)
     if isinstance(type_, StructType):
-        members = [define(types.type_name(field), types.field(member)) for member, field in type_.fields]
+        members = [
+            define(types.type_name(field), types.field(member), remark=value_remark("", field))
+            for member, field in type_.fields
+        ]
     else:
         members = [define(types.type_name(type_.element), f"at[{type_.size}]")]
     return lines([Block(tuple(members), name, "};")])

@@ -319,7 +319,7 @@ class _Initialization:
 
     def _layout(self, class_: ProcessClass) -> PortLayout:
         if class_.name not in self.layouts:
-            self.layouts[class_.name] = PortLayout(class_)
+            self.layouts[class_.name] = PortLayout(class_, self.members.types.names.macros)
         return self.layouts[class_.name]
 
     def _hand_written(

@@ -53,7 +53,7 @@ def leaf_header(class_: ProcessClass) -> str:
 def ports_header(class_: ProcessClass, names: PackageNames, types: CTypes) -> dict[str, str]:
     """`logger_ports.h`, which the hand-written header includes."""
     assert class_.external is not None
-    struct, layout = names.classes[class_.name], PortLayout(class_)
+    struct, layout = names.classes[class_.name], PortLayout(class_, names.macros)
     guard, place = f"{struct.upper()}_PORTS_H", names.place(class_.span.file, class_.span.line)
     about = [f"What the process {class_.definition}, written by hand in {class_.external.target}, is connected to."]
     rows = [*comment([*about, "", f"Source: {place}"]), f"#ifndef {guard}", f"#define {guard}", ""]

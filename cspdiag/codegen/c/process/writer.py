@@ -280,7 +280,7 @@ class Writer:
             whole = self._singles[key] = self.members.names.fresh(self._routine_member_name(hint))
             self._slots[key] = []
             self._sizes[key] = _size(self.current.count)
-        wanted, count = identifier(name), 1
+        wanted, count = Names(self.names.macros).fresh(name), 1
         type_name = self.members.types.type_name(type_)
         while True:
             member = StructMember(f"{type_name} {wanted}")

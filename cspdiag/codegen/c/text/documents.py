@@ -7,6 +7,9 @@ from collections.abc import Sequence
 
 from cspdiag.codegen.c.text.code import LINE_LENGTH
 from cspdiag.codegen.c.text.literals import in_comment
+from cspdiag.model.sampling import Sampling
+from cspdiag.model.types import TIME, ArrayType, RealType, Type
+from cspdiag.model.units import DIMENSIONLESS
 
 
 def wrapped(doc: str) -> list[str]:
@@ -19,6 +22,29 @@ def wrapped(doc: str) -> list[str]:
     if rows and rows[0] and rows[-1][-1:] not in ".!?:":
         rows[-1] += "."
     return rows
+
+
+def value_remark(doc: str, type_: Type, sampling: Sampling | None = None) -> str | None:
+    """What a value means, its unit, and when it is sampled, as far as the program says so; None if it does not."""
+    facts = [f"in {unit}"] if (unit := _unit(type_)) else []
+    facts += [sampling.every] if sampling is not None else []
+    about, facts_shown = " ".join(doc.split()), ", ".join(facts)
+    if not facts:
+        return about or None
+    if not about:
+        return f"{facts_shown[0].upper()}{facts_shown[1:]}."
+    if "." in about.removesuffix("."):  # Several sentences; theirs is another one.
+        ending = about if about.endswith((".", "!", "?")) else f"{about}."
+        return f"{ending} {facts_shown[0].upper()}{facts_shown[1:]}."
+    return f"{about.removesuffix('.')}, {facts_shown}."
+
+
+def _unit(type_: Type) -> str:
+    if isinstance(type_, ArrayType):
+        return _unit(type_.element)
+    if isinstance(type_, RealType):
+        return "" if type_.unit == DIMENSIONLESS else str(type_.unit)
+    return "nanoseconds" if type_ == TIME else ""
 
 
 def comment(rows: Sequence[str], indent: str = "") -> list[str]:

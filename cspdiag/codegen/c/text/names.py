@@ -220,10 +220,12 @@ class PackageNames(Package):
             or (entry.name.startswith(owners) and entry.name.rpartition("_")[2] in _OWN)
         )
         self.constants: Mapping[str, str] = {entry.name: self._names.fresh(entry.name) for entry in network.constants}
-        members = Names()
+        self.macros = frozenset(f"{self.prefix}_{part}".upper() for part in ("SIZE", "PROCESSES"))
+        """The macros of the interface, which would be expanded in members and local variables, too."""
+        members = Names(self.macros)
         self.parameters: Mapping[str, str] = {entry.name: members[entry.name] for entry in network.parameters}
         self.globals = frozenset(
-            (*self.constants.values(), *(name for names in self.literals.values() for name in names))
+            (*self.constants.values(), *(name for names in self.literals.values() for name in names), *self.macros)
         )
 
     def public(self, name: str) -> str:

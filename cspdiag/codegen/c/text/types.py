@@ -83,7 +83,7 @@ class CTypes:
 
     def field(self, name: str) -> str:
         """The member for a field of a struct."""
-        return member_name(name)
+        return f"{member_name(name)}_" if name.rstrip("_") in self.names.macros else member_name(name)
 
     def literal(self, value: Value, type_: Type, span: Span | None = None) -> Code:
         """A value as an expression; numbers are spelled as in the source text at ``span``."""

@@ -46,7 +46,7 @@ typedef struct emergency_instance emergency_instance;
 
 /* Sampled inputs, and a name for each. */
 typedef struct emergency_inputs {
-    double feedback; /* Spindle.feedback */
+    double feedback; /* In rad/s, every 2 ms. */
 } emergency_inputs;
 typedef enum emergency_input {
     EMERGENCY_IN_FEEDBACK
@@ -54,9 +54,9 @@ typedef enum emergency_input {
 
 /* Outputs, and a name for each. */
 typedef struct emergency_outputs {
-    double control; /* Spindle.control */
-    bool brake; /* Spindle.brake */
-    bool halted; /* Spindle.halted */
+    double control; /* In V, every 2 ms. */
+    bool brake; /* Every 2 ms. */
+    bool halted;
 } emergency_outputs;
 typedef enum emergency_output {
     EMERGENCY_OUT_CONTROL,

@@ -46,10 +46,10 @@ typedef struct jiwy_instance jiwy_instance;
 
 /* Sampled inputs, and a name for each. */
 typedef struct jiwy_inputs {
-    double joystick_horizontal; /* Jiwy.joystick_horizontal */
-    double joystick_vertical; /* Jiwy.joystick_vertical */
-    double feedback_horizontal; /* Jiwy.feedback_horizontal */
-    double feedback_vertical; /* Jiwy.feedback_vertical */
+    double joystick_horizontal; /* Every 2 ms. */
+    double joystick_vertical; /* Every 1 ms. */
+    double feedback_horizontal; /* In rad, every 2 ms. */
+    double feedback_vertical; /* In rad, every 1 ms. */
 } jiwy_inputs;
 typedef enum jiwy_input {
     JIWY_IN_JOYSTICK_HORIZONTAL,
@@ -60,8 +60,8 @@ typedef enum jiwy_input {
 
 /* Outputs, and a name for each. */
 typedef struct jiwy_outputs {
-    double control_horizontal; /* Jiwy.control_horizontal */
-    double control_vertical; /* Jiwy.control_vertical */
+    double control_horizontal; /* In V, every 2 ms. */
+    double control_vertical; /* In V, every 1 ms. */
 } jiwy_outputs;
 typedef enum jiwy_output {
     JIWY_OUT_CONTROL_HORIZONTAL,

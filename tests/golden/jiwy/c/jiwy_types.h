@@ -10,14 +10,14 @@
 
 struct jiwy_servo_gains {
     double kp;
-    int64_t tauD;
+    int64_t tauD; /* In nanoseconds. */
     double beta;
-    int64_t tauI;
-    double friction;
-    double tolerance;
+    int64_t tauI; /* In nanoseconds. */
+    double friction; /* In V. */
+    double tolerance; /* In rad. */
 };
 
-/* The parameters of the program, which may change while it runs. Durations are in nanoseconds. */
+/* The parameters of the program, which may change while it runs. */
 struct jiwy_parameters {
     /* Servo of the horizontal joint; the first four are published. */
     struct jiwy_servo_gains panGains;

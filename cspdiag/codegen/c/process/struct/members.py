@@ -87,7 +87,7 @@ class Members:
     def __post_init__(self) -> None:
         process = self.process
         self.inside = PartsByType(process.body)
-        self.layout = PortLayout(process)
+        self.layout = PortLayout(process, self.types.names.macros)
         self.names = self.layout.names
         self.parameters = self.layout.parameters
         self.ports = self.layout.ports

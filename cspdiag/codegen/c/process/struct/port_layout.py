@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from cspdiag.codegen.c.text.code import Code, code
 from cspdiag.codegen.c.text.media import access_of, port_type
@@ -15,8 +15,9 @@ class PortLayout:
     connection.
     """
 
-    def __init__(self, process: ProcessClass) -> None:
-        self.names = Names(PROCESS_LOCALS)
+    def __init__(self, process: ProcessClass, macros: Collection[str]) -> None:
+        """``macros``: names that no member may have."""
+        self.names = Names((*PROCESS_LOCALS, *macros))
         self.parameters = {item.name: self.names[item.name] for item in process.parameters}
         self.ports = {port.name: port for port in process.ports}
         for port in process.ports:
