@@ -108,7 +108,10 @@ MANIFESTS = ("CMakeLists.txt", "Makefile", "Kconfig", "LICENSE", ".yml")
 
 
 def _read(path: str) -> SourceFile:
-    return SourceFile(name=path, text=CONVERTER_HEADER if path.endswith(".h") else "")
+    texts = {"converter.c": "", "converter.h": CONVERTER_HEADER}
+    if path not in texts:
+        raise FileNotFoundError(path)
+    return SourceFile(name=path, text=texts[path])
 
 
 @cache
