@@ -9,12 +9,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from cspdiag.base import SourceFile
 from cspdiag.base.record import replaced
+from cspdiag.codegen.shared.names import as_one_word
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_bodies, files_of_body
 from cspdiag.network.ir.network import Environment, Network
 
 _INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*\"([^\"/\\\n]+)\"", re.MULTILINE)
+
+_GUARD = re.compile(r"^[ \t]*#[ \t]*(?:ifndef|if[ \t]*!|pragma[ \t]+once)", re.MULTILINE)
 
 
 def c_bodies(network: Network) -> Iterator[ExternalBody]:
@@ -62,10 +65,18 @@ def included_beside(path: str, text: str) -> Iterator[str]:
 def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:
     """The copies of processes and control laws in the package, by file name.
 
-    Raises TargetError if two files have the same name.
+    Raises TargetError if two files have the same name, and for a header that cannot be included twice.
     """
     laws = [replaced(environment, drivers=()) for environment in network.environments]
-    return _copies(external_bodies(network.classes, laws), texts)
+    copies = _copies(external_bodies(network.classes, laws), texts)
+    for name, text in copies.items():
+        if name.endswith(".h") and not _GUARD.search(text):
+            guard = as_one_word(name).upper()
+            raise TargetError(
+                f"{name} has no include guard, and several files of the package include it\n"
+                f"  help: begin it with `#ifndef {guard}` and `#define {guard}`, and end it with `#endif`"
+            )
+    return copies
 
 
 def device_files(environments: Iterable[Environment], texts: Mapping[str, str]) -> dict[str, str]:

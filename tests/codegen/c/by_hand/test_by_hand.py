@@ -401,3 +401,16 @@ def test_headers_beside_a_law_are_copied_with_it(compiler: str, tmp_path: Path) 
     assert (package / "real.h").exists()
     assert not (package / "unused.h").exists()
     assert "struct valve, filter)" in (package / "network_pointers.c").read_text()
+
+
+@pytest.mark.parametrize("name", ["valve.h", "filter.h"])
+def test_headers_without_a_guard_are_refused(name: str, tmp_path: Path) -> None:
+    (tmp_path / "filter.h").write_text(
+        "#pragma once\n" if name == "valve.h" else "/* none */ struct filter { int a; };\n"
+    )
+    header = LAW.replace("#ifndef VALVE_H\n#define VALVE_H", '#include "filter.h"').replace("#endif", "")
+    if name == "filter.h":
+        header = LAW.replace("#include <stdint.h>", '#include "filter.h"')
+    with pytest.raises(TargetError, match=f"{name} has no include guard") as refused:
+        compiled(tmp_path, "cc", "double level, opening; int64_t count;", header, nested=False)
+    assert f"#ifndef {name.replace('.', '_').upper()}" in str(refused.value)
