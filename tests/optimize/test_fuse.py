@@ -7,7 +7,8 @@ from hypothesis import HealthCheck, given, note, settings
 
 from cspdiag.base import SourceFile
 from cspdiag.network.dump.network import dump
-from cspdiag.network.ir.actions import ReadValue, Repeat, ReportCommunication, RunInstance
+from cspdiag.network.ir.actions import AssignValue, ReadValue, Repeat, ReportCommunication, RunInstance
+from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize import PASSES, optimize
@@ -357,6 +358,13 @@ def test_three_rates_are_loops_in_one_another() -> None:
     reads = [part for part in parts(after.class_named("Top")) if isinstance(part, ReadValue)]
     assert len(reads) == 3, "no loop is written out in the turns of a slower one"
     assert_same(before, after, 200_000_000)
+
+
+def test_what_may_fault_is_at_the_place_of_the_process_that_computes_it() -> None:
+    """Not at that of the reader, which has waited for it."""
+    after = fuse(optimize(network_of(read("models/commstime/commstime.csp")), BEFORE))
+    computed = [part for part in parts(after.class_named("Commstime")) if isinstance(part, AssignValue)]
+    assert [part.span.text for part in computed if may_fault(part.value)] == ["value + 1"]
 
 
 @pytest.mark.parametrize("text", FUSED.values(), ids=FUSED)

@@ -9,6 +9,7 @@ from cspdiag.base.record import record, replaced
 from cspdiag.model.types import Type
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
+from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import channels_written
 from cspdiag.optimize.constants.folding import folded_with
@@ -138,11 +139,13 @@ class Recorder:
         """
         target = offer.target
         assert target is not None
+        # The reader may wait longer than the writer, whose value is then computed here; a fault is the writer's.
+        span = value.span if value.span is not None and may_fault(value) else offer.span
         if not target.indexes:
-            self._assign(offer.span, target, value)
+            self._assign(span, target, value)
             return VariableValue(type=self._types[target.channel], channel=target.channel)
         name = self._variable(f"{channel}.taken", self._types[channel], offer)
-        self._assign(offer.span, ir.Target(name), value)
+        self._assign(span, ir.Target(name), value)
         taken = VariableValue(type=self._types[channel], channel=name)
         self._postponed.setdefault(offer.place.key, []).append(
             ir.AssignValue(span=offer.span, target=target, value=taken)

@@ -25,7 +25,7 @@ class Commstime(Routine):
         try:
             if prefix_value != 999:
                 while True:
-                    # commstime.csp:14
+                    # commstime.csp:42
                     prefix_value = (
                         n1 if (n1 := prefix_value + 1) <= 9223372036854775807 else int64(n1)
                     )
