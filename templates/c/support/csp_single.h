@@ -14,6 +14,12 @@ static inline float csp_divide_single(csp_kernel *csp, float dividend, float div
     return (divisor != 0.0f) ? dividend / divisor : (float)csp_real_division_fails(csp);
 }
 
+/* The value, with 0 for a negative zero: what adding 0 does. */
+static inline float csp_positive_zero_single(float value)
+{
+    return value + 0.0f;
+}
+
 static inline float csp_min_single(float left, float right)
 {
     return (right < left) ? right : left;

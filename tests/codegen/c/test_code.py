@@ -239,3 +239,11 @@ process Counter {
     assert "(int64_t)self->short_ + (int64_t)STEP" in counter
     assert "csp_uint32(csp, 7 - (int64_t)csp_uint32(csp, (int64_t)self->long_ * 2))" in " ".join(counter.split())
     assert "csp_add(csp, csp_add(csp, (int64_t)self->short_, 1), self->given)" in " ".join(counter.split())
+
+
+def test_a_zero_is_added_in_single_precision() -> None:
+    built = pipeline.build(read("models/jiwy/jiwy.csp"), read, real="float32")
+    assert built.network is not None
+    text = pipeline.generate(built.network, read, "c", 1)["joint_control.c"]
+    assert "csp_positive_zero_single(" in text
+    assert "csp_positive_zero(" not in text

@@ -206,15 +206,16 @@ class Printer(Evaluator):
 
     def _real_operation(self, expression: BinaryOperation, left: Code, right: Code) -> Code:
         operator = expression.operator
+        single = "_single" if is_single(expression.type) else ""
         match operator:
             case "^":
                 code = call("csp_pow", left, right)
             case "%":
                 code = call("fmod", left, right)
             case "/" if divisor_may_be_zero(expression):
-                return call(f"csp_divide{'_single' if is_single(expression.type) else ''}", left, right)
+                return call(f"csp_divide{single}", left, right)
             case "+" if _is_positive_zero(expression.right):
-                code = call("csp_positive_zero", left)
+                return call(f"csp_positive_zero{single}", left)
             case "+" | "-" | "*" | "/" | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
                 return infix(operator, _ARITHMETIC[operator], left, right)
             case _:
