@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cspdiag.model.types import BOOL, DOUBLE, INT, TIME, IntType, RealType, Type
+from cspdiag.model.units import Unit
 from cspdiag.network.ir.expressions import (
     BinaryOperation,
     ConditionalValue,
@@ -42,8 +43,8 @@ VALUES: dict[Type, st.SearchStrategy[Any]] = {
     INT: st.sampled_from([0, 1, -1, 2, 7, 63, 2**62, 2**63 - 1, -(2**63)]),
     INT8: st.sampled_from([0, 1, -1, 3, 100, 127, -128]),
     TIME: st.sampled_from([0, 1, 1_000_000, 2**62, -(2**63)]),
-    DOUBLE: st.sampled_from([0.0, -0.0, 1.0, 0.5, -1.5, 2.5, 1e-300, 1e300, 0.1, 3.0]),
-    FLOAT: st.sampled_from([0.0, -0.0, 1.0, 0.5, single(0.1), single(3e38), single(1e-40)]),
+    DOUBLE: st.sampled_from([0.0, -0.0, 1.0, -1.0, 0.5, -1.5, 2.5, 1e-300, 1e300, 0.1, 3.0]),
+    FLOAT: st.sampled_from([0.0, -0.0, 1.0, -1.0, 0.5, single(0.1), single(3e38), single(1e-40)]),
 }
 
 
@@ -122,3 +123,17 @@ def test_known_variables_are_put_in_their_places() -> None:
     count = VariableValue(type=INT, channel="count")
     total = BinaryOperation(type=INT, operator="+", left=count, right=one)
     assert folded_with(total, {"count": LiteralValue(type=INT, value=6)}) == LiteralValue(type=INT, value=7)
+
+
+def test_arithmetic_that_changes_nothing_is_removed_also_between_units() -> None:
+    length = RealType(unit=Unit((0, 1, 0, 0, 0, 0, 0)))
+    x = VariableValue(type=length, channel="x")
+
+    def with_literal(operator: Any, value: float) -> Expression:
+        right = LiteralValue(type=length, value=value)
+        return folded_with(BinaryOperation(type=DOUBLE, operator=operator, left=x, right=right), {})
+
+    assert with_literal("/", 1.0) == with_literal("*", 1.0) == with_literal("-", 0.0) == x
+    minus = UnaryOperation(type=DOUBLE, operator="-", operand=x)
+    assert with_literal("/", -1.0) == with_literal("*", -1.0) == minus
+    assert isinstance(with_literal("+", 0.0), BinaryOperation), "a negative zero becomes 0"

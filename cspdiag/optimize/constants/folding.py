@@ -38,6 +38,7 @@ from cspdiag.network.ir.expressions import (
     VariableValue,
 )
 from cspdiag.network.ir.faults import may_fault
+from cspdiag.optimize.check.expressions import agrees
 
 LIBRARY_FUNCTIONS = frozenset({"exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2"})
 """Functions whose last bit depends on the library of the target machine."""
@@ -117,18 +118,25 @@ def _logic(expression: BinaryOperation) -> Expression:
 
 
 def _without_neutral(expression: BinaryOperation) -> Expression:
-    """The expression without ``* 1``, ``/ 1``, ``- 0`` and, for whole numbers, ``+ 0``: exact for every value,
-    including signed zeros and NaN.
+    """The expression without ``* 1``, ``/ 1``, ``- 0`` and, for whole numbers, ``+ 0``, and ``-x`` for a real number
+    ``x * -1``: exact for every value, including signed zeros and NaN.
     """
-    if expression.type != expression.left.type:
+    left, right = expression.left, expression.right
+    if not agrees(expression.type, left.type):
         return expression
     match expression:
+        case BinaryOperation(operator="*", left=LiteralValue(value=one)) if _is_number(one, 1):
+            return right
         case BinaryOperation(operator="*" | "/", right=LiteralValue(value=one)) if _is_number(one, 1):
-            return expression.left
+            return left
+        case BinaryOperation(operator="*", left=LiteralValue(value=float(one))) if one == -1:
+            return UnaryOperation(type=expression.type, span=expression.span, operator="-", operand=right)
+        case BinaryOperation(operator="*" | "/", right=LiteralValue(value=float(one))) if one == -1:
+            return UnaryOperation(type=expression.type, span=expression.span, operator="-", operand=left)
         case BinaryOperation(operator="-", right=LiteralValue(value=zero)) if _is_number(zero, 0):
-            return expression.left
+            return left
         case BinaryOperation(operator="+", right=LiteralValue(value=int(zero))) if _is_number(zero, 0):
-            return expression.left
+            return left
         case _:  # No other operand is neutral.
             return expression
 

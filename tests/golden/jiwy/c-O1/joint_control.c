@@ -57,7 +57,7 @@ static void joint_control_align_l_velocity_calculate(csp_kernel *csp, struct joi
     const double sum = self->alignKp * error + i; /* laws.csp:107 */
     self->alignL_velocity_control = csp_limit(sum, -1.5, 1.5); /* laws.csp:109 */
     /* laws.csp:115 */
-    const bool pressing = (fabs(velocity) < 0.1) && (self->alignL_velocity_control * -1.0 > 0.9);
+    const bool pressing = (fabs(velocity) < 0.1) && (-self->alignL_velocity_control > 0.9);
     /* laws.csp:116 */
     const double held =
         pressing ? self->alignL_velocity_pressed + self->alignL_velocity_sample : 0.0;

@@ -258,7 +258,7 @@ class JointControl(Routine):
                     alignL_velocity_pressing = (
                         alignL_velocity_velocity < 0.1
                         and alignL_velocity_velocity > -0.1
-                        and alignL_velocity_control * -1.0 > 0.9
+                        and -alignL_velocity_control > 0.9
                     )
                     # laws.csp:116
                     alignL_velocity_held = (
