@@ -195,10 +195,10 @@ static csp_party *consumer_step(csp_kernel *csp, csp_party *party)
     }
 }
 
-static const csp_class prefix_class = {prefix_step, relay_places, "Prefix", "", 0U, 0U};
-static const csp_class delta_class = {delta_step, delta_places, "Delta", "", 0U, 0U};
-static const csp_class relay_class = {relay_step, relay_places, "Successor", "", 0U, 0U};
-static const csp_class consumer_class = {consumer_step, consumer_places, "Consumer", "", 0U, 0U};
+static const csp_class prefix_class = {prefix_step, relay_places, "Prefix", "", 0U, 0U, 0U};
+static const csp_class delta_class = {delta_step, delta_places, "Delta", "", 0U, 0U, 0U};
+static const csp_class relay_class = {relay_step, relay_places, "Successor", "", 0U, 0U, 0U};
+static const csp_class consumer_class = {consumer_step, consumer_places, "Consumer", "", 0U, 0U, 0U};
 
 /* ---- An alternative ---- */
 
@@ -276,8 +276,8 @@ static const csp_place chooser_places[] = {
     {CSP_AT_NOTHING, false, FAILS, 0U, 0U, "", NULL},
     {CSP_AT_NOTHING, false, FAILS, 0U, 0U, "", NULL},
 };
-static const csp_class writer_class = {writer_step, writer_places, "Writer", "", 0U, 0U};
-static const csp_class chooser_class = {chooser_step, chooser_places, "Chooser", "", 0U, 0U};
+static const csp_class writer_class = {writer_step, writer_places, "Writer", "", 0U, 0U, 0U};
+static const csp_class chooser_class = {chooser_step, chooser_places, "Chooser", "", 0U, 0U, 0U};
 
 /* ---- Parallel ---- */
 
@@ -286,7 +286,7 @@ static csp_party *ends_step(csp_kernel *csp, csp_party *party)
     return csp_end(csp, party);
 }
 
-static const csp_class ends_class = {ends_step, relay_places, "Ends", "", 0U, 0U};
+static const csp_class ends_class = {ends_step, relay_places, "Ends", "", 0U, 0U, 0U};
 
 /* ---- Programs ---- */
 
@@ -360,8 +360,8 @@ static const csp_place program_places[] = {
     {CSP_AT_PARALLEL, false, 2U, offsetof(struct program, parallel), 0U, "", NULL},
     {CSP_AT_NOTHING, false, 2U, 0U, 0U, "", NULL},
 };
-static const csp_class program_class = {program_step, program_places, "Program", "", 0U, 0U};
-static const csp_class repeated_parallel_class = {repeated_parallel_step, program_places, "Parallel", "", 0U, 0U};
+static const csp_class program_class = {program_step, program_places, "Program", "", 0U, 0U, 0U};
+static const csp_class repeated_parallel_class = {repeated_parallel_step, program_places, "Parallel", "", 0U, 0U, 0U};
 
 static void branch(uint32_t run, size_t offset, size_t stride, uint32_t count)
 {

@@ -341,3 +341,30 @@ def test_a_library_is_of_the_processor_for_which_it_was_made_last(tmp_path: Path
             machines = {line.split()[-1] for line in header.splitlines() if line.strip().startswith("Machine:")}
             assert len(machines) == 1
             assert ("ARM" in machines) == bool(options)
+
+
+NO_STATE, BEYOND = 1, 60_000
+"""A state of the process itself, which its branch does not have, and one that is in no table."""
+
+
+@pytest.mark.parametrize(
+    ("process", "state", "instant", "noticed"),
+    [
+        pytest.param("branch", NO_STATE, 25, 30, id="when its sample comes"),
+        pytest.param("branch", BEYOND, 25, 30, id="beyond the table"),
+        pytest.param("branch", NO_STATE, 100, 100, id="when it is interrupted"),
+        pytest.param("branch", BEYOND, 100, 100, id="interrupted beyond the table"),
+        pytest.param("process", BEYOND, 25, 100, id="when its branch has ended"),
+    ],
+)
+def test_an_overwritten_state_ends_the_run_with_safe_values(
+    process: str, state: int, instant: int, noticed: int, tmp_path: Path
+) -> None:
+    need_sanitizers("gcc", "address,undefined")
+    checked = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    main = HERE / "devices" / "overwritten.c"
+    program = by_the_interface(tmp_path, "tests/c_kernel/devices/overwritten.csp", main, "gcc", *checked)
+    assert run(program, process, str(state), str(instant)) == (
+        f"{FAILED} at {noticed} ms: Fault, in Overwritten (overwritten state); overwritten state; "
+        "driven -1, released 1, after that 0\n"
+    )

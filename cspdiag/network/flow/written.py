@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import reduce
 from operator import and_, or_
+from types import MappingProxyType
 
+from cspdiag.base.record import record
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Call, Code, Instruction, Join, Resume
 from cspdiag.network.flow.dataflow import solve
@@ -41,8 +43,22 @@ def surely_written(
     return solve(code, written, transfer, merge)
 
 
-def read_before_written(body: Action, variables: Collection[str], written: Collection[str] = ()) -> frozenset[str]:
-    """The variables that may be read before they are written; ``written`` have a value at the beginning.
+@record
+class Run:
+    """The variables that an instance reads, and then writes, whenever it is run."""
+
+    reads: frozenset[str]
+    writes: frozenset[str]
+
+
+def read_before_written(
+    body: Action,
+    variables: Collection[str],
+    written: Collection[str] = (),
+    runs: Mapping[str, Run] = MappingProxyType({}),
+) -> frozenset[str]:
+    """The variables that may be read before they are written; ``written`` have a value at the beginning. Of instances
+    that are not in ``runs`` nothing is known.
 
     Assigning an element requires that the array has a value. A part that may be abandoned counts as writing nothing.
     """
@@ -51,20 +67,29 @@ def read_before_written(body: Action, variables: Collection[str], written: Colle
         return frozenset()
 
     def gains(instruction: Instruction) -> int:
-        names = (_name(place) for place in writes(instruction) if not (isinstance(place, Target) and place.indexes))
-        return reduce(or_, (bits.get(name, 0) for name in names), 0)
+        return reduce(or_, (bits.get(name, 0) for name in _names_written(instruction, runs)), 0)
 
     code = flow_of(body)
     start = reduce(or_, (bits[name] for name in written), 0)
     early = 0
     for instruction, before in zip(code.instructions, surely_written(code, gains, written=start), strict=True):
         if before is not None:
-            needed = reduce(or_, (bits.get(name, 0) for name in _names_read(instruction)), 0)
+            needed = reduce(or_, (bits.get(name, 0) for name in _names_read(instruction, runs)), 0)
             early |= needed & ~before
     return frozenset(name for name, bit in bits.items() if early & bit)
 
 
-def _names_read(instruction: Instruction) -> Iterator[str]:
+def _names_written(instruction: Instruction, runs: Mapping[str, Run]) -> Iterator[str]:
+    if isinstance(instruction, Call) and instruction.step.instance in runs:
+        yield from runs[instruction.step.instance].writes
+    for place in writes(instruction):
+        if not (isinstance(place, Target) and place.indexes):
+            yield _name(place)
+
+
+def _names_read(instruction: Instruction, runs: Mapping[str, Run]) -> Iterator[str]:
+    if isinstance(instruction, Call) and instruction.step.instance in runs:
+        yield from runs[instruction.step.instance].reads
     yield from map(_name, reads(instruction))
     yield from (place.channel for place in writes(instruction) if isinstance(place, Target) and place.indexes)
 

@@ -154,6 +154,7 @@ bool csp_withdraw_process(csp_kernel *csp, csp_process *process)
         return csp_timer_stop(csp, (csp_timer *)object);
 #endif
     case CSP_AT_STOP:
+    case CSP_AT_OVERWRITTEN:
         return true;
 #if CSP_USES_INTERRUPTS
     case CSP_AT_INTERRUPT:

@@ -89,7 +89,8 @@ struct csp_class {
     const char *name;
     const char *where;    /* where it is defined: "laws.csp:12" */
     size_t offset;        /* of the csp_process in its struct; 0 except for branches of a composition */
-    size_t stride;        /* from one csp_numbered to the next, if branches share a class; otherwise 0 */
+    uint16_t stride;      /* from one csp_numbered to the next, if branches share a class; otherwise 0 */
+    uint16_t states;      /* the length of `places`, where what is no state has no `where`; 0: not known, and not checked */
 };
 
 /* One of the branches of a composition that share a class: elements of an array, which differ in their number. */
@@ -110,7 +111,8 @@ typedef enum csp_waiting {
     CSP_AT_DELAY,       /* object: csp_timer */
     CSP_AT_STOP,
     CSP_AT_PARALLEL, /* object: csp_parallel */
-    CSP_AT_INTERRUPT /* object: csp_interrupt */
+    CSP_AT_INTERRUPT, /* object: csp_interrupt */
+    CSP_AT_OVERWRITTEN /* the state of the process is none that its class has */
 } csp_waiting;
 
 struct csp_place {

@@ -66,7 +66,7 @@ bool csp_contains(const csp_queue *queue, const csp_party *party);
 
 /* ---- Places ---- */
 
-const csp_place *csp_place_of(const csp_process *process);
+CSP_COLD const csp_place *csp_place_of(const csp_process *process);
 /* The object of a place: a channel, a parallel... */
 void *csp_object_at(const csp_process *process, const csp_place *place);
 /* Withdraws a party from where it waits. Returns false if it no longer waits there. */

@@ -32,7 +32,7 @@
  *             csp_observe_end(csp, party->number);
  *             return csp_fail(csp, party);              // a normal end: the same with csp_end, and without csp_unwind
  *         default:
- *             return NULL;
+ *             return csp_overwritten(csp, party);
  *         }
  *     }
  *
@@ -42,7 +42,8 @@
  *         [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "logger.c"},
  *     };
  *     static const csp_class logger_class = {
- *         .step = logger_step, .places = logger_places, .name = "Logger", .where = "logger.c", .offset = 0};
+ *         .step = logger_step, .places = logger_places, .name = "Logger", .where = "logger.c", .offset = 0,
+ *         .states = CSP_STATES(logger_places)};
  *
  *     void logger_initialize(struct logger *self, csp_numbers *numbers, const struct logger_ports *ports)
  *     {

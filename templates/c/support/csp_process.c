@@ -30,9 +30,18 @@ static inline ptrdiff_t way_to(const csp_process *process, size_t offset, size_t
     return (ptrdiff_t)(offset + (number * stride)) - (ptrdiff_t)before;
 }
 
+/* Instead of the place of a process whose state is none of its class; nor is the one in which it continues. */
+static const csp_place overwritten = {
+    .waiting = CSP_AT_OVERWRITTEN, .failed = 0xFFFFU, .where = "overwritten state"};
+
 const csp_place *csp_place_of(const csp_process *process)
 {
-    return &process->kind->places[process->party.state];
+    const csp_class *const kind = process->kind;
+    const csp_place *place = &overwritten;
+    if ((process->party.state < kind->states) || (kind->states == 0U)) {
+        place = &kind->places[process->party.state];
+    }
+    return (place->where != NULL) ? place : &overwritten;
 }
 
 void *csp_object_at(const csp_process *process, const csp_place *place)
@@ -217,6 +226,16 @@ csp_party *csp_fail(csp_kernel *csp, csp_party *party)
         caller->party.state = csp_place_of(caller)->failed;
     }
     return (csp_party *)process->above;
+}
+
+csp_party *csp_overwritten(csp_kernel *csp, csp_party *party)
+{
+    (void)csp_raise(csp, party, (uint16_t)CSP_FAULT_EXCEPTION, overwritten.where);
+    csp_outermost(csp)->party.flags = (uint8_t)CSP_ENDED;
+    for (uint32_t level = 0U; level < CSP_LEVELS; level++) {
+        csp->ready[level].first = NULL;
+    }
+    return NULL;
 }
 
 csp_progress csp_par(csp_kernel *csp, csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs)

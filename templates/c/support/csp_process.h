@@ -53,6 +53,9 @@ typedef struct csp_written {
 /* Notes a fault unless the variable was written; NULL: it always is. */
 void csp_require_written(csp_kernel *csp, const csp_written *written);
 
+/* The number of states in a table of places. */
+#define CSP_STATES(places) ((uint16_t)(sizeof(places) / sizeof((places)[0])))
+
 /* To be called before the program starts. */
 void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number);
 
@@ -63,6 +66,10 @@ csp_party *csp_call(csp_party *party, csp_process *callee);
 /* End the process: normally, or with the failure in `csp->error`. Return the result to the scheduler. */
 csp_party *csp_end(csp_kernel *csp, csp_party *party);
 csp_party *csp_fail(csp_kernel *csp, csp_party *party);
+
+/* For a state that the step function does not have, which only damaged memory contains: ends the run with a Fault that no process catches, for what it would
+ * continue with may be damaged, too. Return the result to the scheduler. */
+CSP_COLD csp_party *csp_overwritten(csp_kernel *csp, csp_party *party);
 
 /* To be called first at a FAILED label, before ends are closed and exceptions caught: completes `csp->error`, also if the process was cancelled while it
  * waited. */

@@ -143,6 +143,9 @@ bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_en
     case CSP_AT_STOP:
         entry->words = "forever, at stop";
         return index == 0U;
+    case CSP_AT_OVERWRITTEN:
+        entry->words = "forever";
+        return index == 0U;
     case CSP_AT_INTERRUPT:
         return wait_of_alternative(&((const csp_interrupt *)object)->alternative, index, entry);
     default:

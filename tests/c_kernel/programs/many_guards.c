@@ -50,7 +50,7 @@ static const csp_place places[] = {
     {CSP_AT_STOP, false, 3U, 0U, 0U, "test.csp:1", NULL},
     {CSP_AT_NOTHING, false, 3U, 0U, 0U, "test.csp:1", NULL},
 };
-static const csp_class chooser_class = {chooser_step, places, "chooser", "test.csp:1", 0U, 0U};
+static const csp_class chooser_class = {chooser_step, places, "chooser", "test.csp:1", 0U, 0U, 0U};
 
 int main(void)
 {

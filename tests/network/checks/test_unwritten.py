@@ -42,6 +42,30 @@ process Main {{
     assert may_be_unwritten(network)["Main"] == found
 
 
+@pytest.mark.parametrize(
+    ("body", "composition", "found"),
+    [
+        ("", "u ? v ; law ; y ! x", set()),
+        ("", "u ? v ; mu law until x > 3", set()),
+        ("", "u ? v ; (law interrupt after 5 ms -> skip) ; y ! x", {"x"}),
+        ("", "((u ? v) interrupt after 5 ms -> skip) ; law ; y ! x", {"v"}),
+        (' c "law.c"', "u ? v ; law ; y ! x", {"v", "x"}),
+    ],
+)
+def test_variables_that_a_law_writes(body: str, composition: str, found: set[str]) -> None:
+    """Of a law in another language nothing is known."""
+    network = programs.network(f"""
+submodel Law{body} {{ in v : double  out y : double  {"" if body else "y = 2 * v"} }}
+process Main {{
+  in u : double
+  out y : double
+  communication {{ var x : double  var v : double  law : Law  v -> law.v  law.y -> x }}
+  composition {{ (skip interrupt after 5 ms -> skip) ; {composition} }}
+}}
+""")
+    assert may_be_unwritten(network)["Main"] == found
+
+
 def test_ports_that_lead_to_such_a_variable() -> None:
     network = programs.network("""
 process Find { in u : int  out place : int  communication { var x : int }  composition { u ? x ; place ! x } }

@@ -148,6 +148,7 @@ class Routine:
         ]
         if self.number is not None:
             fields.append((".stride", code("sizeof(csp_numbered)")))
+        fields.append((".states", call("CSP_STATES", f"{self.name}_places")))
         places = store(f"static const csp_place {self.name}_places[]", Aggregate(tuple(entries)))
         return lines([places, Blank(), store(f"static const csp_class {self.name}_class", Aggregate(tuple(fields)))])
 
@@ -188,7 +189,7 @@ class Routine:
 
     def _stepping(self, name: str, begin: str, body: list[Statement]) -> list[str]:
         """A function that begins, or continues, in the state of the process."""
-        cases = ((f"case {begin}", tuple(body)), ("default", (return_value("NULL"),)))
+        cases = ((f"case {begin}", tuple(body)), ("default", (return_value(call("csp_overwritten", "party")),)))
         switch = Switch(code("party->state"), cases)
         function = Block(with_kernel((*self.locals(body), switch)))
         return [*self._signature(name), *lines([function])]

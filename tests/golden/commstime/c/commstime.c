@@ -48,7 +48,7 @@ static csp_party *commstime_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -72,7 +72,8 @@ static const csp_class commstime_class = {
     .places = commstime_places,
     .name = "Commstime",
     .where = "commstime.csp:60",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(commstime_places)
 };
 
 void commstime_initialize(struct commstime *self, csp_numbers *numbers, int64_t rounds)

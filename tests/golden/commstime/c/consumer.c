@@ -35,7 +35,7 @@ static csp_party *consumer_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -56,7 +56,8 @@ static const csp_class consumer_class = {
     .places = consumer_places,
     .name = "Consumer",
     .where = "commstime.csp:47",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(consumer_places)
 };
 
 void consumer_initialize(struct consumer *self, csp_numbers *numbers,

@@ -47,7 +47,7 @@ static csp_party *delta_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -82,7 +82,8 @@ static const csp_class delta_class = {
     .places = delta_places,
     .name = "Delta",
     .where = "commstime.csp:19",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(delta_places)
 };
 
 void delta_initialize(struct delta *self, csp_numbers *numbers, const struct delta_ports *ports)

@@ -40,7 +40,7 @@ static csp_party *prefix_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -68,7 +68,8 @@ static const csp_class prefix_class = {
     .places = prefix_places,
     .name = "Prefix",
     .where = "commstime.csp:5",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(prefix_places)
 };
 
 void prefix_initialize(struct prefix *self, csp_numbers *numbers, const struct prefix_ports *ports,

@@ -44,7 +44,7 @@ static csp_party *successor_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -72,7 +72,8 @@ static const csp_class successor_class = {
     .places = successor_places,
     .name = "Successor",
     .where = "commstime.csp:33",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(successor_places)
 };
 
 void successor_initialize(struct successor *self, csp_numbers *numbers,

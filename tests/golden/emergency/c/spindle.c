@@ -43,7 +43,7 @@ static csp_party *spindle_repeat_law_step(csp_kernel *csp, csp_party *party)
         csp_unwind(csp, party);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -68,7 +68,8 @@ static const csp_class spindle_repeat_law_class = {
     .places = spindle_repeat_law_places,
     .name = "Spindle",
     .where = "emergency.csp:17",
-    .offset = offsetof(struct spindle, repeat_law_branch)
+    .offset = offsetof(struct spindle, repeat_law_branch),
+    .states = CSP_STATES(spindle_repeat_law_places)
 };
 
 static csp_party *spindle_step(csp_kernel *csp, csp_party *party)
@@ -140,7 +141,7 @@ static csp_party *spindle_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -173,7 +174,8 @@ static const csp_class spindle_class = {
     .places = spindle_places,
     .name = "Spindle",
     .where = "emergency.csp:17",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(spindle_places)
 };
 
 void spindle_initialize(struct spindle *self, csp_numbers *numbers,

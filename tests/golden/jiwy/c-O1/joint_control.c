@@ -382,7 +382,7 @@ static csp_party *joint_control_homing_run_servo_step(csp_kernel *csp, csp_party
         csp_unwind(csp, party);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -407,7 +407,8 @@ static const csp_class joint_control_homing_run_servo_class = {
     .places = joint_control_homing_run_servo_places,
     .name = "JointControl",
     .where = "jiwy.csp:104",
-    .offset = offsetof(struct joint_control, homing_run_servo_branch)
+    .offset = offsetof(struct joint_control, homing_run_servo_branch),
+    .states = CSP_STATES(joint_control_homing_run_servo_places)
 };
 
 static csp_party *joint_control_align_r_run_velocity_step(csp_kernel *csp, csp_party *party)
@@ -446,7 +447,7 @@ static csp_party *joint_control_align_r_run_velocity_step(csp_kernel *csp, csp_p
         csp_unwind(csp, party);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -471,7 +472,8 @@ static const csp_class joint_control_align_r_run_velocity_class = {
     .places = joint_control_align_r_run_velocity_places,
     .name = "JointControl",
     .where = "jiwy.csp:104",
-    .offset = offsetof(struct joint_control, alignR_run_velocity_branch)
+    .offset = offsetof(struct joint_control, alignR_run_velocity_branch),
+    .states = CSP_STATES(joint_control_align_r_run_velocity_places)
 };
 
 static csp_party *joint_control_align_l_run_velocity_step(csp_kernel *csp, csp_party *party)
@@ -510,7 +512,7 @@ static csp_party *joint_control_align_l_run_velocity_step(csp_kernel *csp, csp_p
         csp_unwind(csp, party);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -535,7 +537,8 @@ static const csp_class joint_control_align_l_run_velocity_class = {
     .places = joint_control_align_l_run_velocity_places,
     .name = "JointControl",
     .where = "jiwy.csp:104",
-    .offset = offsetof(struct joint_control, alignL_run_velocity_branch)
+    .offset = offsetof(struct joint_control, alignL_run_velocity_branch),
+    .states = CSP_STATES(joint_control_align_l_run_velocity_places)
 };
 
 static csp_party *joint_control_fails(csp_kernel *csp, csp_party *party)
@@ -606,7 +609,7 @@ static csp_party *joint_control_align_l(csp_kernel *csp, csp_party *party)
     fails:
         return joint_control_fails(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -671,7 +674,7 @@ static csp_party *joint_control_align_r(csp_kernel *csp, csp_party *party)
     fails:
         return joint_control_fails(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -774,7 +777,7 @@ static csp_party *joint_control_motion_control(csp_kernel *csp, csp_party *party
     fails:
         return joint_control_fails(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -835,7 +838,7 @@ static csp_party *joint_control_homing(csp_kernel *csp, csp_party *party)
     fails:
         return joint_control_fails(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -869,7 +872,7 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
     case FAILS:
         return joint_control_fails(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -943,7 +946,8 @@ static const csp_class joint_control_class = {
     .places = joint_control_places,
     .name = "JointControl",
     .where = "jiwy.csp:104",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(joint_control_places)
 };
 
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,

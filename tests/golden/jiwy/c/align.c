@@ -19,7 +19,7 @@ static csp_party *align_repeat_velocity_step(csp_kernel *csp, csp_party *party)
 
     switch (party->state) {
     case 0:
-        for (;;) {
+        do {
             /* velocity (jiwy.csp:39) */
             CSP_AWAIT(csp_sampled_read(csp, party, &self->feedback, &self->velocity.feedback,
                     sizeof(self->velocity.feedback)),
@@ -40,22 +40,14 @@ static csp_party *align_repeat_velocity_step(csp_kernel *csp, csp_party *party)
                 self->max_written->done = true;
             }
             self->stop = self->velocity.stop;
-            self->stop_written.done = true;
-            csp_require_written(csp, &self->stop_written);
-            if (csp_raised(csp, party, "jiwy.csp:39")) {
-                goto fails;
-            }
-            if (self->stop) {
-                break;
-            }
-        }
+        } while (!self->stop);
         return csp_end(csp, party);
     case REPEAT_VELOCITY_FAILS:
     fails:
         csp_unwind(csp, party);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -80,7 +72,8 @@ static const csp_class align_repeat_velocity_class = {
     .places = align_repeat_velocity_places,
     .name = "Align",
     .where = "jiwy.csp:23",
-    .offset = offsetof(struct align, repeat_velocity_branch)
+    .offset = offsetof(struct align, repeat_velocity_branch),
+    .states = CSP_STATES(align_repeat_velocity_places)
 };
 
 static csp_party *align_step(csp_kernel *csp, csp_party *party)
@@ -135,7 +128,7 @@ static csp_party *align_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -159,7 +152,8 @@ static const csp_class align_class = {
     .places = align_places,
     .name = "Align",
     .where = "jiwy.csp:23",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(align_places)
 };
 
 void align_initialize(struct align *self, csp_numbers *numbers, const struct align_ports *ports,
@@ -172,8 +166,6 @@ void align_initialize(struct align *self, csp_numbers *numbers, const struct ali
     self->max = ports->max;
     self->max_written = ports->max_written;
     self->failed = false;
-    self->stop_written.number = numbers->variable;
-    numbers->variable++;
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     velocity_controller_initialize(&self->velocity, speed, kp, ki, 1.5, 0.9, 20 * CSP_MS,
         100 * CSP_MS, csp_seconds(T));

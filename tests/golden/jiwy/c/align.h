@@ -28,7 +28,6 @@ struct align {
     csp_sampled_end feedback;
     bool failed;
     bool stop;
-    csp_written stop_written;
     struct velocity_controller velocity;
     union {
         double control;

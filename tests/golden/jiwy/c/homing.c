@@ -19,7 +19,7 @@ static csp_party *homing_repeat_servo_step(csp_kernel *csp, csp_party *party)
 
     switch (party->state) {
     case 0:
-        for (;;) {
+        do {
             /* servo (jiwy.csp:97) */
             csp_require_written(csp, self->leftmax_written);
             if (csp_raised_in(csp, party, "servo", "laws.csp:56")) {
@@ -47,24 +47,15 @@ static csp_party *homing_repeat_servo_step(csp_kernel *csp, csp_party *party)
             (void)csp_latched_write(party, self->control, &self->servo.control,
                 sizeof(self->servo.control));
             self->reference = self->servo.reference;
-            self->reference_written.done = true;
             self->stop = self->servo.stop;
-            self->stop_written.done = true;
-            csp_require_written(csp, &self->stop_written);
-            if (csp_raised(csp, party, "jiwy.csp:97")) {
-                goto fails;
-            }
-            if (self->stop) {
-                break;
-            }
-        }
+        } while (!self->stop);
         return csp_end(csp, party);
     case REPEAT_SERVO_FAILS:
     fails:
         csp_unwind(csp, party);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -89,7 +80,8 @@ static const csp_class homing_repeat_servo_class = {
     .places = homing_repeat_servo_places,
     .name = "Homing",
     .where = "jiwy.csp:76",
-    .offset = offsetof(struct homing, repeat_servo_branch)
+    .offset = offsetof(struct homing, repeat_servo_branch),
+    .states = CSP_STATES(homing_repeat_servo_places)
 };
 
 static csp_party *homing_step(csp_kernel *csp, csp_party *party)
@@ -140,7 +132,7 @@ static csp_party *homing_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -164,7 +156,8 @@ static const csp_class homing_class = {
     .places = homing_places,
     .name = "Homing",
     .where = "jiwy.csp:76",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(homing_places)
 };
 
 void homing_initialize(struct homing *self, csp_numbers *numbers, const struct homing_ports *ports,
@@ -180,10 +173,6 @@ void homing_initialize(struct homing *self, csp_numbers *numbers, const struct h
     self->control = ports->control;
     self->zero = 0.0;
     self->failed = false;
-    self->stop_written.number = numbers->variable;
-    numbers->variable++;
-    self->reference_written.number = numbers->variable;
-    numbers->variable++;
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     position_controller_initialize(&self->servo, gains, 0.0, 6.0, 50 * CSP_MS, 100 * CSP_MS, 0.05,
         csp_seconds(T));

@@ -34,9 +34,7 @@ struct homing {
     double zero;
     bool failed;
     bool stop;
-    csp_written stop_written;
     double reference;
-    csp_written reference_written;
     struct position_controller servo;
     union {
         double control;

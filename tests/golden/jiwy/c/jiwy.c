@@ -34,7 +34,7 @@ static csp_party *jiwy_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -54,7 +54,8 @@ static const csp_class jiwy_class = {
     .places = jiwy_places,
     .name = "Jiwy",
     .where = "jiwy.csp:134",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(jiwy_places)
 };
 
 void jiwy_initialize(struct jiwy *self, csp_numbers *numbers, const struct jiwy_ports *ports,

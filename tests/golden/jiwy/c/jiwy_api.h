@@ -31,9 +31,9 @@ extern "C" {
  * used for the first time.
  */
 #if UINTPTR_MAX > 0xFFFFFFFFU
-#define JIWY_SIZE 9008U
+#define JIWY_SIZE 8928U
 #else
-#define JIWY_SIZE 6320U
+#define JIWY_SIZE 6240U
 #endif
 typedef union jiwy_memory {
     int64_t alignment;

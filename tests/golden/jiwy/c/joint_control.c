@@ -43,7 +43,7 @@ static csp_party *joint_control_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -81,7 +81,8 @@ static const csp_class joint_control_class = {
     .places = joint_control_places,
     .name = "JointControl",
     .where = "jiwy.csp:104",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(joint_control_places)
 };
 
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,

@@ -65,7 +65,6 @@ static csp_party *motion_control_step(csp_kernel *csp, csp_party *party)
                 (void)csp_latched_write(party, self->control, &self->servo.control,
                     sizeof(self->servo.control));
                 self->reference = self->servo.reference;
-                self->reference_written.done = true;
             }
         } while (self->status != stopButton);
         goto after_catches_timeout;
@@ -99,7 +98,7 @@ static csp_party *motion_control_step(csp_kernel *csp, csp_party *party)
         csp_observe_end(csp, party->number);
         return csp_fail(csp, party);
     default:
-        return NULL;
+        return csp_overwritten(csp, party);
     }
 }
 
@@ -130,7 +129,8 @@ static const csp_class motion_control_class = {
     .places = motion_control_places,
     .name = "MotionControl",
     .where = "jiwy.csp:46",
-    .offset = 0
+    .offset = 0,
+    .states = CSP_STATES(motion_control_places)
 };
 
 void motion_control_initialize(struct motion_control *self, csp_numbers *numbers,
@@ -146,8 +146,6 @@ void motion_control_initialize(struct motion_control *self, csp_numbers *numbers
     self->control = ports->control;
     self->status = 0;
     self->failed = false;
-    self->reference_written.number = numbers->variable;
-    numbers->variable++;
     csp_offers_init(&self->offers, self->offers_made, 2U);
     self->joystick_buttons =
         csp_event_reader(&self->joystick_buttons_latch, ports->joystick_buttons);

@@ -38,7 +38,6 @@ struct motion_control {
     int64_t status;
     bool failed;
     double reference;
-    csp_written reference_written;
     struct position_controller servo;
     struct {
         csp_alternative alternative;

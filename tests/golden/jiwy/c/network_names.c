@@ -62,16 +62,6 @@ typedef int network_has_no_names;
 const char *const network_variable_names[] = {
     "Jiwy.horizontal.leftmax",
     "Jiwy.horizontal.rightmax",
-    "Jiwy.horizontal.alignL.stop",
-    "Jiwy.horizontal.alignR.stop",
-    "Jiwy.horizontal.motionControl.reference",
-    "Jiwy.horizontal.homing.stop",
-    "Jiwy.horizontal.homing.reference",
     "Jiwy.vertical.leftmax",
     "Jiwy.vertical.rightmax",
-    "Jiwy.vertical.alignL.stop",
-    "Jiwy.vertical.alignR.stop",
-    "Jiwy.vertical.motionControl.reference",
-    "Jiwy.vertical.homing.stop",
-    "Jiwy.vertical.homing.reference",
 };

@@ -72,7 +72,7 @@ class Align(Process):
     async def _repeat_velocity(self) -> None:
         while True:
             await self.velocity
-            if self.stop.value:  # jiwy.csp:39
+            if self.stop.value:
                 break
 
     async def _interrupted(self) -> None:

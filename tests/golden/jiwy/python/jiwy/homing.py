@@ -77,7 +77,7 @@ class Homing(Process):
     async def _repeat_servo(self) -> None:
         while True:
             await self.servo
-            if self.stop.value:  # jiwy.csp:97
+            if self.stop.value:
                 break
 
     async def _continue(self) -> None:
