@@ -247,3 +247,20 @@ def test_a_zero_is_added_in_single_precision() -> None:
     text = pipeline.generate(built.network, read, "c", 1)["joint_control.c"]
     assert "csp_positive_zero_single(" in text
     assert "csp_positive_zero(" not in text
+
+
+@pytest.mark.parametrize(("name", "level"), [*product(MODELS, (0, 1))])
+def test_what_a_file_includes_and_what_types_define_is_used(name: str, level: int) -> None:
+    package = pipeline.generate(network(name), read, "c", level)
+    own = {path: text for path, text in package.items() if "/" not in path and path.endswith((".c", ".h"))}
+    constants = set(re.findall(r"^static const .*?(\w+)(?: =|$)", own["constants.h"], re.MULTILINE))
+    for path, text in own.items():
+        words = set(re.findall(r"\w+", re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)))
+        if '#include "constants.h"' in text:
+            assert constants & words, path
+        if '#include "csp_arithmetic.h"' in text:
+            assert any(word.startswith(("csp_", "CSP_")) for word in words - {"csp_arithmetic"}), path
+    program = "\n".join(own.values())
+    for function in re.findall(r"^static inline \w+ (\w+_(?:equal|finite))\(", own["types.h"], re.MULTILINE):
+        assert program.count(f"{function}(") > 1, function
+    assert "position < 1;" not in own["types.h"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from cspdiag.codegen.c.text.code import AND, EQUALITY, INDENT, LINE_LENGTH, Atom, Code, call, code, infix
+from cspdiag.codegen.c.text.code import AND, EQUALITY, INDENT, LINE_LENGTH, Atom, Code, Count, call, code, infix
 from cspdiag.codegen.c.text.documents import comment, value_remark, wrapped
 from cspdiag.codegen.c.text.kernel import KERNEL
 from cspdiag.codegen.c.text.names import PackageNames
@@ -51,9 +51,9 @@ def _parameters(network: Network, name: str, types: CTypes) -> list[str]:
     return [*comment(wrapped(about)), *lines([Block(tuple(members), f"struct {name}_parameters", "};")]), ""]
 
 
-def types_header(network: Network, names: PackageNames, types: CTypes, plain: str) -> str:
+def types_header(network: Network, names: PackageNames, types: CTypes, plain: str, program: str) -> str:
     """`types.h`, with every type that ``types`` has named so far; to be generated last. ``plain`` is the header with
-    the types themselves.
+    the types themselves, and ``program`` the text that may call the functions for them.
     """
     rows = ["/* The types of the program, and how their values are compared and tested. */"]
     rows += ["#ifndef TYPES_H", "#define TYPES_H", "", "#include <stdbool.h>", "#include <stdint.h>", ""]
@@ -66,8 +66,12 @@ def types_header(network: Network, names: PackageNames, types: CTypes, plain: st
         first, *others = names.exceptions.values()
         entries = [f"{first} = CSP_FIRST_EXCEPTION", *others]
         rows += ["/* The exceptions that the program declares. */", *_enum("enum", entries), ""]
-    for type_ in _in_order(network, types):
-        rows += [*_functions(type_, types), ""]
+    functions = [found for type_ in _in_order(network, types) for found in _functions(type_, types)]
+    needed: list[list[str]] = []
+    for name, function in reversed(functions):
+        if f"{name}(" in program or any(f"{name}(" in row for other in needed for row in other):
+            needed.append(function)
+    rows += [row for function in reversed(needed) for row in (*function, "")]
     return "\n".join([*rows, "#endif", ""])
 
 
@@ -108,15 +112,16 @@ def _struct(type_: StructType | ArrayType, types: CTypes) -> list[str]:
     return lines([Block(tuple(members), name, "};")])
 
 
-def _functions(type_: StructType | ArrayType, types: CTypes) -> list[str]:
+def _functions(type_: StructType | ArrayType, types: CTypes) -> Iterator[tuple[str, list[str]]]:
+    """The names and the lines of the functions for a type."""
     name, suffix = types.type_name(type_), types.suffix(type_)
     compared = (f"{name} left", f"{name} right")
-    rows = lines([Function(f"static inline bool {suffix}_equal", compared, tuple(_equality(type_, types)))])
+    equal = Function(f"static inline bool {suffix}_equal", compared, tuple(_equality(type_, types)))
+    yield f"{suffix}_equal", lines([equal])
     if types.has_reals(type_):
         parameters = (KERNEL, f"{name} value", "const char *port")
-        finite_check = Function(f"static inline void {suffix}_finite", parameters, tuple(_finiteness(type_, types)))
-        rows += ["", *lines([finite_check])]
-    return rows
+        finite = Function(f"static inline void {suffix}_finite", parameters, tuple(_finiteness(type_, types)))
+        yield f"{suffix}_finite", lines([finite])
 
 
 def _equality(type_: StructType | ArrayType, types: CTypes) -> list[Statement]:
@@ -127,6 +132,8 @@ def _equality(type_: StructType | ArrayType, types: CTypes) -> list[Statement]:
             part = _equal(field_type, left.field(types.field(name)), right.field(types.field(name)), types)
             whole = part if whole is None else infix("&&", AND, whole, part)
         return [return_value(whole or "true")]
+    if type_.size == 1:
+        return [return_value(_equal(type_.element, left.field("at").at(0), right.field("at").at(0), types))]
     position = code("position")
     part = _equal(type_.element, left.field("at").at(position), right.field("at").at(position), types)
     body = store("equal", infix("&&", AND, code("equal"), part))
@@ -150,9 +157,10 @@ def _finiteness(type_: StructType | ArrayType, types: CTypes) -> list[Statement]
             types.finite_check(field, value.field(types.field(name)), code("port")) for name, field in type_.fields
         )
         return [run(check) for check in checks if check is not None]
-    check = types.finite_check(type_.element, value.field("at").at(code("position")), code("port"))
+    position = Count(0, "index") if type_.size == 1 else code("position")
+    check = types.finite_check(type_.element, value.field("at").at(position), code("port"))
     assert check is not None
-    return [_each(type_, run(check))]
+    return [run(check) if type_.size == 1 else _each(type_, run(check))]
 
 
 def constants_header(network: Network, names: PackageNames, types: CTypes) -> str:

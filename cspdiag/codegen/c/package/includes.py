@@ -1,12 +1,31 @@
-"""Which files of a package a file needs."""
+"""Which files of a package a file needs, and includes of those that it does not."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import lru_cache
 
+from cspdiag.codegen.c.interface.declarations import without_comments
+from cspdiag.codegen.c.text.reserved import MATHEMATICS
+
+_DEFINED = re.compile(
+    r"#\s*define\s+(\w+)|^(?!return\b)(?:\w+[ *]+)+(\w+)\(|\}\s*(\w+)\s*;|^\s+(\w+)(?: = [^,\n]*)?,?$"
+    r"|\b(?:struct|union|enum)\s+(\w+)\s*\{|^typedef\s[^;{]*?(\w+);",
+    re.MULTILINE,
+)
+"""Macros, functions, types and enumerators."""
+_FIRST = "csp_core.h"
+"""What it includes renames functions of the program, so each file needs it."""
+_BY_OTHERS: Mapping[str, frozenset[str]] = {
+    "csp_arithmetic.h": frozenset({*MATHEMATICS, *(f"{name}f" for name in MATHEMATICS), "INFINITY", "NAN"}),
+    "csp_core.h": frozenset(
+        {"bool", "true", "false", "NULL", "memcpy", "memset", "memcmp"}
+        | {f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64)}
+    ),
+}
+"""What generated code gets from the headers of C that these include."""
 _INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
@@ -27,3 +46,76 @@ def with_headers(paths: Iterable[str], files: Mapping[str, str], folders: Iterab
 def included_in(text: str) -> tuple[str, ...]:
     """The names in quotes that a text in C includes."""
     return tuple(_INCLUDE.findall(text))
+
+
+def defined_in(text: str) -> frozenset[str]:
+    """The names that a header defines or declares."""
+    return frozenset(name for found in _DEFINED.findall(without_comments(text)) for name in found if name)
+
+
+class Includes:
+    """The includes of the files of a program that are generated, of headers of which not every file needs each."""
+
+    def __init__(
+        self, files: Mapping[str, str], headers: Mapping[str, Collection[str]], fixed: Collection[str]
+    ) -> None:
+        """``headers`` are the names that each defines; files in ``fixed`` stay as they are."""
+        self._defined = {
+            header: frozenset(names) | _BY_OTHERS.get(header, frozenset()) for header, names in headers.items()
+        }
+        self._files = dict(files)
+        self._own = [path for path in files if path.endswith((".c", ".h")) and path not in fixed]
+        self._needed = {path: self._needs(files[path]) for path in self._own}
+
+    def reduced(self) -> dict[str, str]:
+        """The files without includes of headers of which they need nothing, and with those that other files had for
+        them.
+        """
+        for path in self._own:
+            self._files[path] = _without(self._files[path], self._defined.keys() - self._needed[path])
+        for path in self._own:
+            missing = [header for header in self._needed[path] if header not in self._reached(path)]
+            self._files[path] = _including(self._files[path], missing)
+        return self._files
+
+    def _needs(self, text: str) -> list[str]:
+        words = set(re.findall(r"\w+", without_comments(text)))
+        return [header for header, names in self._defined.items() if header == _FIRST or not names.isdisjoint(words)]
+
+    def _reached(self, path: str) -> set[str]:
+        """The headers that a file includes, itself or by others; the file itself counts."""
+        found, pending = {path}, [path]
+        while pending:
+            for name in included_in(self._files.get(pending.pop(), "")):
+                if name not in found:
+                    found.add(name)
+                    pending.append(name)
+        return found
+
+
+def _without(text: str, headers: Collection[str]) -> str:
+    return _joined(row for row in text.split("\n") if not (found := _INCLUDE.match(row)) or found[1] not in headers)
+
+
+def _including(text: str, headers: Iterable[str]) -> str:
+    added = [f'#include "{header}"' for header in headers]
+    if not added:
+        return text
+    rows = text.split("\n")
+    places = [number for number, row in enumerate(rows, 1) if row.startswith("#include")]
+    if not places:  # They go behind the guard.
+        places, added = [next(number for number, row in enumerate(rows, 1) if row.startswith("#define "))], ["", *added]
+    return "\n".join([*rows[: places[-1]], *added, *rows[places[-1] :]])
+
+
+def _joined(rows: Iterable[str]) -> str:
+    """The lines, of which no two consecutive ones are empty."""
+
+    def single() -> Iterator[str]:
+        before = None
+        for row in rows:
+            if row or before != "":
+                yield row
+            before = row
+
+    return "\n".join(single())

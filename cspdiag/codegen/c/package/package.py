@@ -18,6 +18,7 @@ from cspdiag.codegen.c.network.environments import environment_files
 from cspdiag.codegen.c.network.network import network_files
 from cspdiag.codegen.c.package.definitions import constants_header, plain_types_header, types_header
 from cspdiag.codegen.c.package.folding import folded, folded_script
+from cspdiag.codegen.c.package.includes import Includes, defined_in
 from cspdiag.codegen.c.package.layouts import SUPPORT, Library, arranged
 from cspdiag.codegen.c.package.linkage import NAMES, first_included, names_header
 from cspdiag.codegen.c.package.parts import PARTS, parts_header
@@ -213,8 +214,10 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         files["main_simulation.c"] = render("main_simulation.c.j2", main=main)
     files["constants.h"] = constants_header(lowered, names, types)
     files[f"{names.prefix}_types.h"] = plain_types_header(lowered, names.prefix, types)
-    files["types.h"] = types_header(lowered, names, types, f"{names.prefix}_types.h")
+    program_text = "\n".join(text for path, text in files.items() if path.endswith((".c", ".h")))
+    files["types.h"] = types_header(lowered, names, types, f"{names.prefix}_types.h", program_text)
     support = support_files()
+    files = Includes(files, _headers(files, support, names), (*by_hand, f"{names.prefix}_types.h")).reduced()
     texts = {**support, **files}
     headers = {path: text for path, text in texts.items() if path.endswith(".h")}
     identifying = {path: text for path, text in texts.items() if path != "main_simulation.c"}
@@ -279,6 +282,17 @@ def _simulation(files: Mapping[str, str], program: list[str]) -> list[str]:
 def _scenario(environment: Environment, names: PackageNames) -> Scenario:
     counts = "true" if environment.on_miss == "count" else "false"
     return Scenario(names.environments[environment.name], environment.name, counts)
+
+
+def _headers(files: Mapping[str, str], support: Mapping[str, str], names: PackageNames) -> Mapping[str, frozenset[str]]:
+    """What the headers define of which not every file of a program needs each."""
+    of_types = defined_in(files["types.h"]) | defined_in(files[f"{names.prefix}_types.h"])
+    return {
+        "csp_core.h": defined_in(support["csp_core.h"]),
+        "csp_arithmetic.h": defined_in(support["csp_arithmetic.h"]) | defined_in(support["csp_single.h"]),
+        "types.h": of_types.union(names.exceptions.values(), *names.literals.values()),
+        "constants.h": frozenset(names.constants.values()),
+    }
 
 
 def support_files() -> dict[str, str]:

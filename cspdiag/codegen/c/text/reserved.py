@@ -21,7 +21,7 @@ _KEYWORDS = words(
 )
 """Keywords of C, and of C++, in which a user may include the interface; and what compilers have built in."""
 
-_MATH = words(
+MATHEMATICS = words(
     """
     acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh drem erf erfc exp exp10 exp2 expm1 fabs fdim
     finite floor fma fmax fmin fmod frexp gamma hypot ilogb isinf isnan j0 j1 jn ldexp lgamma llrint llround log log10
@@ -68,6 +68,6 @@ _PATTERN = re.compile(
 def is_reserved(name: str) -> bool:
     """Whether C or C++ gives the name a meaning of its own."""
     return (
-        name in _KEYWORDS or name in _LIBRARY or name in _MATH or (name[:-1] in _MATH and name[-1] in "fl")
+        name in _KEYWORDS or name in _LIBRARY or name in MATHEMATICS or (name[:-1] in MATHEMATICS and name[-1] in "fl")
         or _PATTERN.fullmatch(name) is not None
     )  # fmt: skip

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "commstime.h"
-
-#include "constants.h"
-#include "csp_arithmetic.h"
+#include "types.h"
 
 /* Where the process waits, and where it continues after a failure. */
 enum {

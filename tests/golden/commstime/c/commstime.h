@@ -7,7 +7,6 @@
 #define COMMSTIME_H
 
 #include "csp.h"
-#include "types.h"
 #include "prefix.h"
 #include "delta.h"
 #include "successor.h"

@@ -3,7 +3,6 @@
 #ifndef CONSTANTS_H
 #define CONSTANTS_H
 
-#include "csp_arithmetic.h"
-#include "types.h"
+#include "csp_core.h"
 
 #endif

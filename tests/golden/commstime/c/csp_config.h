@@ -9,5 +9,6 @@
 #define CSP_LEVELS 1U /* of priority */
 
 #include "csp_names.h"
+#include "csp_core.h"
 
 #endif

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "delta.h"
 
-#include "constants.h"
-#include "csp_arithmetic.h"
-
 /* Where the process waits, and where it continues after a failure. */
 enum {
     READS_INPUT = 1,

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "network.h"
 
-#include "constants.h"
-
 /* Names are built in where communications are reported. */
 #if CSP_TRACE
 static void copy_name(const char *name, char *text, size_t size)

@@ -5,7 +5,6 @@
 
 #include "csp.h"
 #include "commstime.h"
-#include "types.h"
 
 /* All memory of the program. */
 struct network {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "network.h"
-
-#include "constants.h"
+#include "csp_arithmetic.h"
 
 static const double safe_control = 0.0;
 static const bool safe_brake = true;

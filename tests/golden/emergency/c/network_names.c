@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "network.h"
-#include "csp_arithmetic.h"
 #include "types.h"
 
 #if CSP_TRACE || CSP_MEASURE || CSP_TRACE_HOOK

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "spindle.h"
 
-#include "constants.h"
 #include "csp_arithmetic.h"
 
 /* Where the process waits, and where it continues after a failure. */

@@ -2,7 +2,6 @@
 /* See spindle_controller.h. */
 #include "spindle_controller.h"
 
-#include "constants.h"
 #include "csp_arithmetic.h"
 
 void spindle_controller_initialize(struct spindle_controller *self, double speed)

@@ -7,7 +7,6 @@
 #define SPINDLE_CONTROLLER_H
 
 #include "csp_core.h"
-#include "types.h"
 
 struct spindle_controller {
     /* Inputs. */

@@ -7,5 +7,6 @@
 #include <stdint.h>
 
 #include "emergency_types.h"
+#include "csp_core.h"
 
 #endif

@@ -2,7 +2,6 @@
 /* See workshop_environment.h. */
 #include "workshop_environment.h"
 
-#include "constants.h"
 #include "csp_arithmetic.h"
 #include "types.h"
 

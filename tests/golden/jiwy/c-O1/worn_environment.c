@@ -4,7 +4,6 @@
 
 #include "constants.h"
 #include "csp_arithmetic.h"
-#include "types.h"
 
 static const double pan_start = 1.4; /* plant.csp:26 */
 static const double pan_left = -1.62; /* plant.csp:26 */

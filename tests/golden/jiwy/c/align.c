@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "align.h"
 
-#include "constants.h"
 #include "csp_arithmetic.h"
+#include "types.h"
 
 /* Where the process waits, and where it continues after a failure. */
 enum {

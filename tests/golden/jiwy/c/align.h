@@ -7,7 +7,6 @@
 #define ALIGN_H
 
 #include "csp.h"
-#include "types.h"
 #include "velocity_controller.h"
 
 /* What the ports are connected to. */

@@ -2,7 +2,6 @@
 #include "jiwy.h"
 
 #include "constants.h"
-#include "csp_arithmetic.h"
 
 /* Where the process waits, and where it continues after a failure. */
 enum {

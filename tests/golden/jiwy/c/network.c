@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "network.h"
 
-#include "constants.h"
-
 static const double safe_control_horizontal = 0.0;
 static const double safe_control_vertical = 0.0;
 

@@ -9,20 +9,10 @@
 #include "jiwy_types.h"
 
 #include "csp_arithmetic.h"
+#include "csp_core.h"
 
 /* The exceptions that the program declares. */
 enum { EXCEPTION_MODE_FAILED = CSP_FIRST_EXCEPTION };
-
-static inline bool jiwy_servo_gains_equal(struct jiwy_servo_gains left,
-    struct jiwy_servo_gains right)
-{
-    return (left.kp == right.kp)
-        && (left.tauD == right.tauD)
-        && (left.beta == right.beta)
-        && (left.tauI == right.tauI)
-        && (left.friction == right.friction)
-        && (left.tolerance == right.tolerance);
-}
 
 static inline void jiwy_servo_gains_finite(csp_kernel *csp, struct jiwy_servo_gains value,
     const char *port)

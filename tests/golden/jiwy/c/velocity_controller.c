@@ -2,7 +2,6 @@
 /* See velocity_controller.h. */
 #include "velocity_controller.h"
 
-#include "constants.h"
 #include "csp_arithmetic.h"
 
 void velocity_controller_initialize(struct velocity_controller *self, double speed, double kp,

@@ -9,7 +9,6 @@
 #define VELOCITY_CONTROLLER_H
 
 #include "csp_core.h"
-#include "types.h"
 
 struct velocity_controller {
     /* Inputs. */
