@@ -13,7 +13,7 @@ _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(\w*)(?:\\\n|[^\n])*$", re.MULTILINE)
 _DEFINITION = re.compile(r"\btypedef\b|\b(?:struct|union)\b[^;{}()=]*(?:\(\([^;{}]*\)\)[^;{}()=]*)?\{")
 _MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(?![\w(])[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
-_TOKEN = re.compile(r"(\s*)(#[+-]\d*|\w+|\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|\S)")
+_TOKEN = re.compile(r"(\s*)(#[+!-]\d*|\w+|\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|\S)")
 _QUALIFIERS = words(
     "const volatile restrict __restrict _Atomic static extern register inline __inline _Thread_local __extension__"
 )
@@ -103,10 +103,10 @@ def declared_types(text: str, macros: dict[str, str]) -> Mapping[str, CType]:
     defined: list[tuple[int, str, str]] = []
 
     def marked(found: re.Match[str]) -> str:
-        """A condition as a word: where it begins, with its line, or that it ends."""
+        """A condition as a word: where it begins, with its line, or that it ends; and that something is included."""
         nonlocal lengthened
         begins = f"#+{text.count(chr(10), 0, found.start()) + 1} " if found[1].startswith("if") else ""
-        ends = "#- " if found[1] == "endif" else ""
+        ends = "#- " if found[1] == "endif" else "#! " if found[1] == "include" else ""
         defined.extend((found.start() + lengthened, name, body) for _, name, body in macros_of(found[0]))
         mark = begins + ends + "\n" * found[0].count("\n")
         lengthened += len(mark) - len(found[0])
@@ -210,6 +210,8 @@ class _Reader:
         return ""
 
     def _note_condition(self, word: str) -> None:
+        if word == "#!":
+            raise _UnknownSyntaxError
         if word.startswith("#+"):
             self._conditions.append(int(word[2:]))
         elif self._conditions:
@@ -309,7 +311,7 @@ class _Reader:
 
     def _begun_declaration(self) -> str:
         """The member that was begun last, for messages."""
-        return _text(reversed(self._begun)).partition(";")[0]
+        return _text(reversed(self._begun)).replace("#!", "#include").partition(";")[0]
 
     def _members(self) -> Iterator[Member]:
         while True:

@@ -27,10 +27,11 @@ from cspdiag.codegen.shared.target_error import TargetError
 _SCALARS = {
     "bool": 1, "_Bool": 1, "char": 1, "int8_t": 1, "uint8_t": 1, "int16_t": 2, "uint16_t": 2, "int32_t": 4,
     "uint32_t": 4, "float": 4, "int64_t": 8, "uint64_t": 8, "double": 8, "intmax_t": 8, "uintmax_t": 8,
+    "wchar_t": 4, "wint_t": 4, "sig_atomic_t": 4, "time_t": 8, "clock_t": 8, "char16_t": 2, "char32_t": 4,
+    "float_t": 16, "double_t": 16,
+    **{f"{sign}int_{kind}{bits}_t": 8 for sign in ("", "u") for kind in ("fast", "least") for bits in (8, 16, 32, 64)},
 }  # fmt: skip
 _AS_POINTERS = frozenset({"size_t", "ptrdiff_t", "intptr_t", "uintptr_t", "csp_word"})
-_BY_HAND = 256
-"""The bytes that are reserved for a type that no header of the package defines."""
 _INTEGER = frozenset({"signed", "unsigned", "char", "short", "int", "long"})
 """The words of which the names of C's own integers are made."""
 _INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*\"([^\"\n]+)\"", re.MULTILINE)
@@ -140,7 +141,7 @@ class Layout:
             case Named(name=known):
                 key = known, self._pointer
                 if key not in self._known:
-                    self._within.append(self.path(known))
+                    self._within.append(self._paths.get(self._known_as(known), self._place))
                     self._known[key] = self._of_named(type_, name)
                     self._within.pop()
                 return self._known[key]
@@ -161,7 +162,14 @@ class Layout:
         found = self.resolved(type_)
         if not isinstance(found, Named):
             return self._of(found, name)
-        return self._of_number(found.name) or _Extent(_BY_HAND, _LARGEST)
+        number = self._of_number(found.name)
+        if number is None:
+            raise TargetError(
+                f"{self._place}: `{found.name}`, the type of `{name}`, is not defined here or in a header beside it, "
+                "so it is not known how large it is and what pointers it has\n"
+                "  help: put its header beside this one, or keep a pointer to it"
+            )
+        return number
 
     def _of_number(self, name: str) -> _Extent | None:
         part = self._scalar(name.replace("_Complex", "").strip())

@@ -15,7 +15,7 @@ from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_bodies, files_of_body
 from cspdiag.network.ir.network import Environment, Network
 
-_INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*\"([^\"/\\\n]+)\"", re.MULTILINE)
+_INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*\"([^\"\n]+)\"", re.MULTILINE)
 
 _GUARD = re.compile(r"^[ \t]*#[ \t]*(?:ifndef|if[ \t]*!|pragma[ \t]+once)", re.MULTILINE)
 
@@ -40,7 +40,8 @@ def header_of(body: ExternalBody) -> str:
 
 def external_texts(network: Network, read: Callable[[str], SourceFile]) -> dict[str, str]:
     """The texts of all hand-written files that a network needs, by path: sources and headers of bodies, and headers
-    beside them that these include. Raises OSError if a source or a header of a body cannot be read.
+    beside them that these include. Raises OSError if a source or a header of a body cannot be read, TargetError if
+    one of the others is not beside.
     """
     found = {path: read(path).text for body in c_bodies(network) for path in source_paths(body)}
     pending = list(found)
@@ -50,16 +51,22 @@ def external_texts(network: Network, read: Callable[[str], SourceFile]) -> dict[
             if included in found:
                 continue
             try:
-                found[included] = read(included).text
+                text = read(included).text
             except OSError:  # It is generated, belongs to the kernel, or is found by the compiler.
                 continue
+            if posixpath.dirname(included) != posixpath.dirname(path):
+                raise TargetError(
+                    f"{path} includes {included}, which is in another folder, and would not be found in the package\n"
+                    "  help: put it beside the file that includes it"
+                )
+            found[included] = text
             pending.append(included)
     return found
 
 
 def included_beside(path: str, text: str) -> Iterator[str]:
-    """The paths of what a file includes by a name without a folder."""
-    return (posixpath.join(posixpath.dirname(path), name) for name in _INCLUDED.findall(text))
+    """The paths of what a file includes."""
+    return (posixpath.join(posixpath.dirname(path), posixpath.normpath(name)) for name in _INCLUDED.findall(text))
 
 
 def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:

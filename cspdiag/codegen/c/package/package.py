@@ -217,6 +217,8 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     program_text = "\n".join(text for path, text in files.items() if path.endswith((".c", ".h")))
     files["types.h"] = types_header(lowered, names, types, f"{names.prefix}_types.h", program_text)
     support = support_files()
+    for path in by_hand.keys() & support.keys():
+        raise TargetError(f"{path}, written by hand, has the name of a file of the kernel: rename it")
     files = Includes(files, _headers(files, support, names), (*by_hand, f"{names.prefix}_types.h")).reduced()
     texts = {**support, **files}
     headers = {path: text for path, text in texts.items() if path.endswith(".h")}

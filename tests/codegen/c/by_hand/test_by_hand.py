@@ -414,3 +414,32 @@ def test_headers_without_a_guard_are_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(TargetError, match=f"{name} has no include guard") as refused:
         compiled(tmp_path, "cc", "double level, opening; int64_t count;", header, nested=False)
     assert f"#ifndef {name.replace('.', '_').upper()}" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("includes", "members", "reason"),
+    [
+        ('#include "../common.h"', "", "common.h, which is in another folder"),
+        ("", "fir_instance fir;", "valve.h: `fir_instance`, the type of `fir`, is not defined here"),
+        ("", "struct fir fir[3];", "valve.h: `struct fir`, the type of `fir`, is not defined here"),
+        ("", '\n#include "fields.inc"\n', "valve.h: `#include double gain` in `struct valve`"),
+        ('#include "csp.h"', "", "csp.h, written by hand, has the name of a file of the kernel"),
+    ],
+    ids=["folder", "type", "struct", "members", "kernel"],
+)
+def test_what_is_not_known_of_a_law_is_refused(includes: str, members: str, reason: str, tmp_path: Path) -> None:
+    folder = tmp_path / "program"
+    folder.mkdir()
+    for name in ("../common.h", "fields.inc", "csp.h"):
+        (folder / name).write_text("#pragma once\n")
+    header = LAW.replace("#include <stdint.h>", f"#include <stdint.h>\n{includes}")
+    members = f"double level, opening; int64_t count; {members}"
+    with pytest.raises(TargetError) as refused:
+        compiled(folder, "cc", members, header, nested=False)
+    assert reason in str(refused.value)
+
+
+def test_types_of_the_c_library_and_pointers_are_known(tmp_path: Path) -> None:
+    members = "double level, opening; int64_t count; time_t since; uint_fast16_t fast; FILE *log; struct tm *date;"
+    header = LAW.replace("#include <stdint.h>", "#include <stdint.h>\n#include <stdio.h>\n#include <time.h>")
+    assert compiled(tmp_path, "cc", members, header.replace('"valve.h"', '"./valve.h"'), nested=False) == ""
