@@ -107,7 +107,7 @@ def end_of_channel(typer: Typer, reference: ast.Reference, expected: str) -> Typ
     if reference.member is not None:
         match symbol:
             case ast.Instance():
-                found = _port_of(typer, reference, symbol)
+                found = _port_of(typer, reference, symbol, expected)
             case PortSymbol() | ast.Variable() | ast.Channel() | EndLabelSymbol():
                 whole = _indexed(typer, reference, reference.indexes, _carried(typer, symbol))
                 if whole is UNKNOWN:
@@ -123,7 +123,7 @@ def end_of_channel(typer: Typer, reference: ast.Reference, expected: str) -> Typ
             case PortSymbol() | ast.Variable() | ast.Channel() | EndLabelSymbol():
                 found = _indexed(typer, reference, reference.indexes, _carried(typer, symbol))
                 if expected in _CONNECTED:
-                    found = _as_a_whole(typer, reference, reference.indexes, symbol, found)
+                    found = _as_a_whole(typer, reference, reference.indexes, symbol, found, expected)
             case None:
                 pass
             case ast.Instance():
@@ -164,7 +164,7 @@ def _type_indexes(typer: Typer, reference: ast.Reference) -> None:
             typer.constant(index, INT, Purpose(what="an index"))
 
 
-def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> Type:
+def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance, expected: str) -> Type:
     program = typer.context.program
     member = reference.member
     assert member is not None
@@ -190,7 +190,7 @@ def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> 
     program.members[reference] = port
     program.bindings[member] = port
     found = _indexed(typer, reference, reference.member_indexes, array_of_ports(typer.context, port))
-    return _as_a_whole(typer, reference, reference.member_indexes, port, found)
+    return _as_a_whole(typer, reference, reference.member_indexes, port, found, expected)
 
 
 def ports_of(typer: Typer, instance: ast.Instance) -> Scope | None:
@@ -226,6 +226,7 @@ def _as_a_whole(
     indexes: tuple[ast.Expression, ...],
     symbol: PortSymbol | ast.Variable | ast.Channel | EndLabelSymbol,
     found: Type,
+    expected: str,
 ) -> Type:
     """``found`` if the indexes choose one of several ports, not an element of the values that pass it."""
     ports = symbol.port.dimensions if isinstance(symbol, PortSymbol) else ()
@@ -236,7 +237,12 @@ def _as_a_whole(
     if isinstance(symbol, PortSymbol):
         problem = "is one port, through which an array passes as a whole"
         own = name.rpartition(".")[2]
-        advice = f"write `{name}`; to connect elements, declare an array of ports: `{own}[n] : …` of single values"
+        if ports:
+            advice = f"write `{name}`"
+        elif expected == "port":
+            advice = f"write `{name}`, with a variable or a value that is the whole array"
+        else:
+            advice = f"write `{name}`; to connect elements, declare an array of ports: `{own}[n] : …` of single values"
     else:
         problem = f"is {described(symbol)}, which is connected as a whole"
         advice = f"write `{name}`, and choose the element where it is used"
