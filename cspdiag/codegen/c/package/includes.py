@@ -57,13 +57,18 @@ class Includes:
     """The includes of the files of a program that are generated, of headers of which not every file needs each."""
 
     def __init__(
-        self, files: Mapping[str, str], headers: Mapping[str, Collection[str]], fixed: Collection[str]
+        self,
+        files: Mapping[str, str],
+        kernel: Mapping[str, str],
+        headers: Mapping[str, Collection[str]],
+        fixed: Collection[str],
     ) -> None:
-        """``headers`` are the names that each defines; files in ``fixed`` stay as they are."""
+        """``headers`` are the names that each defines; files in ``fixed`` and of the ``kernel`` stay as they are."""
         self._defined = {
             header: frozenset(names) | _BY_OTHERS.get(header, frozenset()) for header, names in headers.items()
         }
         self._files = dict(files)
+        self._kernel = kernel
         self._own = [path for path in files if path.endswith((".c", ".h")) and path not in fixed]
         self._needed = {path: self._needs(files[path]) for path in self._own}
 
@@ -74,9 +79,25 @@ class Includes:
         for path in self._own:
             self._files[path] = _without(self._files[path], self._defined.keys() - self._needed[path])
         for path in self._own:
-            missing = [header for header in self._needed[path] if header not in self._reached(path)]
+            reached = self._reached(path)
+            missing = [header for header in self._needed[path] if header not in reached and header != _FIRST]
             self._files[path] = _including(self._files[path], missing)
+        for path in self._own:
+            self._let_begin(path)
         return self._files
+
+    def _let_begin(self, path: str) -> bool:
+        """Whether the first header that a file includes is, or includes, the one that every file needs first; one of
+        the program that does not gets it.
+        """
+        text = self._files.get(path) or self._kernel.get(path, "")
+        if path == _FIRST or any(self._let_begin(name) for name in included_in(text)[:1]):
+            return True
+        if path in self._kernel:
+            return _FIRST in self._reached(path)
+        if path in self._own:
+            self._files[path] = _beginning(text, f'#include "{_FIRST}"')
+        return path in self._own
 
     def _needs(self, text: str) -> list[str]:
         words = set(re.findall(r"\w+", without_comments(text)))
@@ -86,7 +107,8 @@ class Includes:
         """The headers that a file includes, itself or by others; the file itself counts."""
         found, pending = {path}, [path]
         while pending:
-            for name in included_in(self._files.get(pending.pop(), "")):
+            path = pending.pop()
+            for name in included_in(self._files.get(path) or self._kernel.get(path, "")):
                 if name not in found:
                     found.add(name)
                     pending.append(name)
@@ -106,6 +128,14 @@ def _including(text: str, headers: Iterable[str]) -> str:
     if not places:  # They go behind the guard.
         places, added = [next(number for number, row in enumerate(rows, 1) if row.startswith("#define "))], ["", *added]
     return "\n".join([*rows[: places[-1]], *added, *rows[places[-1] :]])
+
+
+def _beginning(text: str, include: str) -> str:
+    """The text with an include in front of all others."""
+    place = re.search(r'^#include "', text, re.MULTILINE)
+    if place is None:
+        return _including(text, [_FIRST])
+    return f"{text[: place.start()]}{include}\n{text[place.start() :]}"
 
 
 def _joined(rows: Iterable[str]) -> str:

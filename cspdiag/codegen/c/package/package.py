@@ -219,7 +219,8 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     support = support_files()
     for path in by_hand.keys() & support.keys():
         raise TargetError(f"{path}, written by hand, has the name of a file of the kernel: rename it")
-    files = Includes(files, _headers(files, support, names), (*by_hand, f"{names.prefix}_types.h")).reduced()
+    fixed = (*by_hand, f"{names.prefix}_types.h")
+    files = Includes(files, support, _headers(files, support, names), fixed).reduced()
     texts = {**support, **files}
     headers = {path: text for path, text in texts.items() if path.endswith(".h")}
     identifying = {path: text for path, text in texts.items() if path != "main_simulation.c"}

@@ -89,7 +89,11 @@ def compiled(folder: Path, compiler: str, members: str, header: str = LAW, *, ne
     (folder / "valve.h").write_text(header.replace("MEMBERS", members))
     law, count = ("Doubled", "") if nested else ("Valve(gain = 2)", "var n : int = 1  n -> valve.count")
     network = network_of(PROGRAM.replace("VALVE", law).replace("COUNT", count), folder)
-    package = written(pipeline.generate(network, read_source, "c"), folder / "package")
+    return syntax_errors(compiler, written(pipeline.generate(network, read_source, "c"), folder / "package"))
+
+
+def syntax_errors(compiler: str, package: Path) -> str:
+    """What a compiler says of the sources of a package."""
     sources = [str(path) for path in package.glob("*.c") if path.name != "main_simulation.c"]
     flags = [compiler, *STRICT, "-std=c99", "-fsyntax-only", f"-I{package}", f"-I{package / 'support'}"]
     return subprocess.run([*flags, *sources], capture_output=True, text=True, check=False).stderr
@@ -443,3 +447,24 @@ def test_types_of_the_c_library_and_pointers_are_known(tmp_path: Path) -> None:
     members = "double level, opening; int64_t count; time_t since; uint_fast16_t fast; FILE *log; struct tm *date;"
     header = LAW.replace("#include <stdint.h>", "#include <stdint.h>\n#include <stdio.h>\n#include <time.h>")
     assert compiled(tmp_path, "cc", members, header.replace('"valve.h"', '"./valve.h"'), nested=False) == ""
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("nested", [False, True])
+def test_a_header_without_includes_is_read_with_the_names_of_the_package(
+    compiler: str, nested: bool, tmp_path: Path
+) -> None:
+    """What is included before it gives its functions the names that they have to the linker."""
+    header = LAW.replace("#include <stdint.h>\n", "").replace("MEMBERS", "double level, opening;")
+    (tmp_path / "valve.h").write_text(header)
+    (tmp_path / "valve.c").write_text(
+        """#include "valve.h"
+void valve_initialize(struct valve *self, double gain) { self->gain = gain; }
+void valve_reset(struct valve *self) { (void)self; }
+void valve_calculate(struct valve *self) { self->opening = self->gain * self->level; }
+"""
+    )
+    text = PROGRAM.replace("  in  count   : int\n", "").replace("  valve.count = 2\n", "").replace("COUNT", "")
+    network = network_of(text.replace("VALVE", "Doubled" if nested else "Valve(gain = 2)"), tmp_path)
+    assert syntax_errors(compiler, written(pipeline.generate(network, read_source, "c"), tmp_path / "package")) == ""

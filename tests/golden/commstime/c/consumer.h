@@ -7,7 +7,6 @@
 #define CONSUMER_H
 
 #include "csp.h"
-#include "csp_core.h"
 
 /* What the ports are connected to. */
 struct consumer_ports {

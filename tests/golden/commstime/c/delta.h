@@ -7,7 +7,6 @@
 #define DELTA_H
 
 #include "csp.h"
-#include "csp_core.h"
 
 /* What the ports are connected to. */
 struct delta_ports {

@@ -7,7 +7,6 @@
 #define PREFIX_H
 
 #include "csp.h"
-#include "csp_core.h"
 
 /* What the ports are connected to. */
 struct prefix_ports {

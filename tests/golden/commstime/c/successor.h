@@ -7,7 +7,6 @@
 #define SUCCESSOR_H
 
 #include "csp.h"
-#include "csp_core.h"
 
 /* What the ports are connected to. */
 struct successor_ports {

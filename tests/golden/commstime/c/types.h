@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "csp_core.h"
 #include "commstime_types.h"
 
 #include "csp_core.h"

@@ -4,7 +4,6 @@
 #define CONSTANTS_H
 
 #include "csp_arithmetic.h"
-#include "csp_core.h"
 
 /* Sample period of the spindle's speed loop. */
 static const int64_t T = 2 * CSP_MS; /* emergency.csp:2 */

@@ -9,6 +9,5 @@
 #define CSP_LEVELS 1U /* of priority */
 
 #include "csp_names.h"
-#include "csp_core.h"
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "emergency_types.h"
 #include "csp_core.h"
+#include "emergency_types.h"
 
 #endif

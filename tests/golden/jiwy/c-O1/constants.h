@@ -4,7 +4,6 @@
 #define CONSTANTS_H
 
 #include "csp_arithmetic.h"
-#include "csp_core.h"
 
 static const double rotorInertia = 1.03e-06; /* plant.csp:5 */
 /* Gear between motor and joint (published). */

@@ -8,7 +8,6 @@
 
 #include "csp.h"
 #include "types.h"
-#include "csp_core.h"
 
 /* What the ports are connected to. */
 struct joint_control_ports {

@@ -6,10 +6,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "csp_core.h"
 #include "jiwy_types.h"
 
 #include "csp_arithmetic.h"
-#include "csp_core.h"
 
 /* The exceptions that the program declares. */
 enum { EXCEPTION_MODE_FAILED = CSP_FIRST_EXCEPTION };
