@@ -79,6 +79,7 @@ def test_freertos(examples: Path) -> None:
         "lamp off at 500 ms",
         "ended by itself after 50 samples, level 0.61, opening 0",
     ]
+    assert run(example / "tank", "fault").splitlines()[1:] == ["lamp off at 300 ms", "halted, opening 0"]
 
 
 def test_zephyr(examples: Path) -> None:
@@ -96,6 +97,7 @@ def test_zephyr(examples: Path) -> None:
         "ended by itself",
         "50 samples, level 0.61, opening 0, stack 2048",
     ]
+    assert run(example / "tank", "fault").splitlines() == ["lamp off at tick 30123", "halted, reason 0, opening 0"]
     assert "CONFIG_TANK=y" in (example / "prj.conf").read_text(encoding="utf-8")
     assert "config TANK\n" in (package / "zephyr" / "Kconfig").read_text(encoding="utf-8")
 

@@ -48,6 +48,9 @@ __attribute__((interrupt("machine"), aligned(4))) static void on_trap(void)
         on_fault();
         board_write("fault of the processor\n");
         FINISHER = FAILURE;
+        for (;;) {
+            /* Without that register, a return would repeat the instruction that has failed. */
+        }
     }
 }
 

@@ -17,6 +17,7 @@ enum { BUTTON = 1, STOP = 2 }; /* bits of a notification */
 #define NANOSECONDS_IN_TICK (INT64_C(1000000000) / configTICK_RATE_HZ)
 
 static TaskHandle_t task;
+static tank_instance *tank;
 
 /* ---- What the program asks for ---- */
 
@@ -83,10 +84,14 @@ static void run(void *unused)
     static tank_memory memory;
     static const tank_hooks hooks = {
         .real_time = true, .sample = sample, .actuate = actuate, .lock = lock, .unlock = unlock};
-    tank_instance *const tank = tank_begin(&memory, sizeof memory, &hooks, NULL);
+    const char *reason = NULL;
     tank_state state = TANK_MORE;
     (void)unused;
-    configASSERT(tank != NULL);
+    tank = tank_begin(&memory, sizeof memory, &hooks, &reason);
+    if (tank == NULL) {
+        board_ended(reason);
+        vTaskDelete(NULL);
+    }
     while (tank_continues(state)) {
         const int64_t present = now();
         uint32_t bits = 0U;
@@ -115,6 +120,13 @@ void tank_task_start(UBaseType_t priority)
 void tank_task_stop(void)
 {
     (void)xTaskNotify(task, STOP, eSetBits);
+}
+
+void tank_task_release(void)
+{
+    if (tank != NULL) {
+        tank_release(tank);
+    }
 }
 
 void tank_task_button_from_isr(void)

@@ -214,6 +214,7 @@ int main(int count, char **arguments)
     (void)sigaddset(&signals, SIGTERM);
     (void)pthread_sigmask(SIG_BLOCK, &signals, NULL);
     if (pthread_create(&operator, NULL, operate, &delay) != 0) {
+        tank_finish(tank);
         return EXIT_FAILURE;
     }
     (void)pthread_sigmask(SIG_UNBLOCK, &signals, NULL);

@@ -77,6 +77,9 @@ public:
     tank_finish(tank_);  // safe values, if the run has not ended
   }
 
+  // For launch files: 0 unless the run has failed.
+  int status() const {return status_;}
+
   TankNode(const TankNode &) = delete;
   TankNode & operator=(const TankNode &) = delete;
 
@@ -118,6 +121,7 @@ private:
     if (!tank_continues(state)) {
       char text[200];
       tank_describe(tank_, text, sizeof text);
+      status_ = (state == TANK_FAILED || state == TANK_DEADLOCK) ? 1 : 0;
       RCLCPP_INFO(get_logger(), "%s", text);
       timer_->cancel();
       (void)opening_->wait_for_all_acked(1s);  // safe values arrive before there is no publisher
@@ -130,6 +134,7 @@ private:
   rclcpp::Time started_;
   tank_memory memory_{};
   tank_instance * tank_ = nullptr;
+  int status_ = 0;
   double level_ = 0.0;
   bool known_ = false;  // a level has been received
   rclcpp::Publisher<std_msgs::msg::Float64>::SharedPtr opening_;
@@ -146,7 +151,9 @@ int main(int argc, char ** argv)
   (void)std::signal(SIGTERM, on_signal);
   int status = 0;
   try {
-    rclcpp::spin(std::make_shared<TankNode>());
+    const auto node = std::make_shared<TankNode>();
+    rclcpp::spin(node);
+    status = node->status();
   } catch (const std::exception & problem) {  // Here the node has been destroyed, which publishes safe values.
     RCLCPP_ERROR(rclcpp::get_logger("tank"), "%s", problem.what());
     status = 1;

@@ -3,6 +3,7 @@
  * The tank of ../superloop/tank.csp as a thread of Zephyr. It sleeps until the next instant, or until an event
  * comes from an interrupt handler or another thread.
  */
+#include <zephyr/fatal.h>
 #include <zephyr/irq.h>
 #include <zephyr/kernel.h>
 
@@ -74,11 +75,16 @@ static void run(void *one, void *two, void *three)
         .real_time = true, .sample = sample, .actuate = actuate, .lock = lock, .unlock = unlock, .wake = wake};
     const int64_t started = k_uptime_ticks();
     tank_state state = TANK_MORE;
+    const char *reason = NULL;
     char text[120];
     ARG_UNUSED(one);
     ARG_UNUSED(two);
     ARG_UNUSED(three);
-    tank = tank_begin(&memory, sizeof memory, &hooks, NULL);
+    tank = tank_begin(&memory, sizeof memory, &hooks, &reason);
+    if (tank == NULL) {
+        printk("%s\n", reason);
+        return;
+    }
     board_enable_button(); /* from now on tank_button may be called */
     while (tank_continues(state)) {
         state = tank_advance(tank, (int64_t)k_ticks_to_ns_floor64((uint64_t)(k_uptime_ticks() - started)), STEPS);
@@ -91,6 +97,16 @@ static void run(void *one, void *two, void *three)
 }
 
 K_THREAD_DEFINE(tank_thread, STACK, run, NULL, NULL, NULL, K_PRIO_COOP(1), 0, 0);
+
+/* Instead of Zephyr's: after a fault of the processor, safe values come before everything halts. */
+void k_sys_fatal_error_handler(unsigned int reason, const struct arch_esf *esf)
+{
+    ARG_UNUSED(esf);
+    if (tank != NULL) {
+        tank_release(tank);
+    }
+    k_fatal_halt(reason);
+}
 
 /* Called by the interrupt handler of the button. */
 void on_button(void)

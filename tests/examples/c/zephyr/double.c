@@ -1,7 +1,10 @@
 /* One thread on a kernel whose ticks pass while it waits; an interrupt presses the button, between two ticks of the program. */
 #include <assert.h>
 #include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include <zephyr/fatal.h>
 #include <zephyr/irq.h>
 #include <zephyr/kernel.h>
 
@@ -17,6 +20,7 @@ static bool locked;
 static bool enabled;
 static double level = 0.2;
 static double opening;
+static bool fails;
 static int samples;
 
 int k_sem_take(struct k_sem *semaphore, k_timeout_t timeout)
@@ -68,9 +72,18 @@ void irq_unlock(unsigned int key)
     locked = key != 0U;
 }
 
+void k_fatal_halt(unsigned int reason)
+{
+    (void)printf("halted, reason %u, opening %g\n", reason, opening);
+    exit(EXIT_SUCCESS);
+}
+
 double board_level(void)
 {
     samples++;
+    if (fails && (samples == 30)) {
+        k_sys_fatal_error_handler(0U, NULL);
+    }
     level += (opening - (0.3 * level)) * 0.01;
     return level;
 }
@@ -90,8 +103,9 @@ void board_enable_button(void)
     enabled = true;
 }
 
-int main(void)
+int main(int count, char **arguments)
 {
+    fails = (count > 1) && (strcmp(arguments[1], "fault") == 0);
     tank_thread_entry(NULL, NULL, NULL);
     (void)printf("%d samples, level %.2f, opening %g, stack %zu\n", samples, level, opening, tank_thread_stack);
     return 0;
