@@ -1,7 +1,7 @@
 /* One task on a scheduler whose ticks pass while it waits. The counter of ticks overflows soon after the start; an interrupt presses the button. */
 #include <setjmp.h>
-#include <stdio.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
