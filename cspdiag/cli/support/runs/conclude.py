@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections import deque
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from threading import Timer
@@ -40,7 +41,8 @@ def conclude(arguments: Namespace, result: Run, checked: Checked, recording: Rec
     if result.outcome.deadlock is not None:
         say(result.outcome.deadlock.text)
     _say_refused_changes(result)
-    requested = list(_requested_files(arguments, result, checked.program, recording))
+    requested = deque(_requested_files(arguments, result, checked.program, recording))
+    paths = [path for path, _ in requested]
     if stopping.signal:
         missing = _write(requested)
     else:
@@ -53,7 +55,7 @@ def conclude(arguments: Namespace, result: Run, checked: Checked, recording: Rec
             if recording is not None:
                 recording.abandon()
             return stopped.exit_code
-    _print_summary(arguments, result, checked, [str(path) for path, _ in requested if path not in missing])
+    _print_summary(arguments, result, checked, [str(path) for path in paths if path not in missing])
     return result.outcome.exit_code or (WRONG_USAGE if missing else 0)
 
 
@@ -115,10 +117,13 @@ def _finish_file(path: Path | str, recording: Recording, result: Run) -> None:
         notice.cancel()
 
 
-def _write(requested: list[tuple[Path | str, _Writer]]) -> list[Path | str]:
-    """Write the files; returns the paths that cannot be written, which do not prevent the others."""
+def _write(requested: deque[tuple[Path | str, _Writer]]) -> list[Path | str]:
+    """Write the files, and remove each from ``requested`` then; returns the paths that cannot be written, which do not
+    prevent the others.
+    """
     missing = []
-    for path, writer in requested:
+    while requested:
+        path, writer = requested[0]
         try:
             writer(path)
         except _RecordingFailedError:
@@ -127,6 +132,7 @@ def _write(requested: list[tuple[Path | str, _Writer]]) -> list[Path | str]:
             problem.filename = str(path)
             say(f"cspdiag: {described(problem)}")
             missing.append(path)
+        requested.popleft()
     return missing
 
 

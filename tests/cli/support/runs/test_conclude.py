@@ -12,6 +12,7 @@ import pytest
 from cspdiag.cli.main import main
 from cspdiag.cli.support.runs import conclude
 from cspdiag.simulate.record.streamed.table import Table
+from cspdiag.simulate.result import Run
 
 PROGRAM = """
 driver Card(stops: int) python "card.py:Card" { out level : double }
@@ -102,3 +103,17 @@ def test_a_recording_that_takes_long_to_write_is_announced(
     file = tmp_path / "values.csv"
     assert main(["run", str(tmp_path / "main.csp"), "--for", "50ms", "--record", str(file)]) == 0
     assert f"cspdiag: writing {file}\n" in capfd.readouterr().err
+
+
+def test_only_files_that_are_not_there_are_named_after_a_signal(
+    run: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(self: Run, path: Path) -> None:
+        os.kill(os.getpid(), signal.SIGHUP)
+
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Run, "to_trace", interrupted)
+    assert main(run) == 128 + signal.SIGHUP
+    assert capsys.readouterr().err.endswith("cspdiag: stopped by SIGHUP before main.jsonl had been written\n")
+    assert (tmp_path / "main.csv").exists()
