@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
+from functools import lru_cache
 
 from cspdiag.base.record import record
 from cspdiag.codegen.shared.names import words
@@ -21,6 +22,8 @@ _OWN_TYPES = words("void bool _Bool char short int long signed unsigned float do
 """The words of which the names of C's own types are made."""
 _ALIGNING = frozenset(("_Alignas", "alignas"))
 _ATTRIBUTES = frozenset(("__attribute__", "__attribute"))
+_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"\n]+)"', re.MULTILINE)
+_GUARD = re.compile(r"^[ \t]*#[ \t]*(?:ifndef|if[ \t]*!|pragma[ \t]+once)", re.MULTILINE)
 _LONGEST = 10_000
 """Macros that are expanded in one declaration."""
 _SHOWN = 40
@@ -86,6 +89,17 @@ class Member:
 def without_comments(text: str) -> str:
     """The text of a header without its comments, each line where it was."""
     return _COMMENT.sub(lambda found: " " + "\n" * found[0].count("\n"), text)
+
+
+@lru_cache(maxsize=512)
+def included_in(text: str) -> tuple[str, ...]:
+    """The names in quotes that a text in C includes."""
+    return tuple(_INCLUDE.findall(text))
+
+
+def may_be_included_twice(text: str) -> bool:
+    """Whether a header has an include guard."""
+    return _GUARD.search(text) is not None
 
 
 def macros_of(text: str) -> Iterator[tuple[int, str, str]]:

@@ -5,7 +5,6 @@ Sizes are those of machines with pointers of 8 or of 4 bytes; with shorter point
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 
 from cspdiag.base.record import record
@@ -18,6 +17,7 @@ from cspdiag.codegen.c.interface.declarations import (
     Pointer,
     Structure,
     declared_types,
+    included_in,
     type_named,
     without_comments,
 )
@@ -34,7 +34,6 @@ _SCALARS = {
 _AS_POINTERS = frozenset({"size_t", "ptrdiff_t", "intptr_t", "uintptr_t", "csp_word"})
 _INTEGER = frozenset({"signed", "unsigned", "char", "short", "int", "long"})
 """The words of which the names of C's own integers are made."""
-_INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*\"([^\"\n]+)\"", re.MULTILINE)
 _LARGEST = 16
 """The bytes of ``long double``, and the alignment of any type."""
 
@@ -72,7 +71,7 @@ class Layout:
             macros: dict[str, str] = {}
             self._macros[path] = macros
             text = self._texts[path]
-            for included in _INCLUDED.findall(text):
+            for included in included_in(text):
                 macros |= self._read(included) if included in self._texts else {}
             declared = declared_types(text, macros)
             self._types |= declared

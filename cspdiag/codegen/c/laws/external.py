@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import posixpath
-import re
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from cspdiag.base import SourceFile
 from cspdiag.base.record import replaced
+from cspdiag.codegen.c.interface.declarations import included_in, may_be_included_twice
 from cspdiag.codegen.shared.names import as_one_word
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.external import external_bodies, files_of_body
 from cspdiag.network.ir.network import Environment, Network
-
-_INCLUDED = re.compile(r"^[ \t]*#[ \t]*include[ \t]*\"([^\"\n]+)\"", re.MULTILINE)
-
-_GUARD = re.compile(r"^[ \t]*#[ \t]*(?:ifndef|if[ \t]*!|pragma[ \t]+once)", re.MULTILINE)
 
 
 def c_bodies(network: Network) -> Iterator[ExternalBody]:
@@ -66,7 +62,7 @@ def external_texts(network: Network, read: Callable[[str], SourceFile]) -> dict[
 
 def included_beside(path: str, text: str) -> Iterator[str]:
     """The paths of what a file includes."""
-    return (posixpath.join(posixpath.dirname(path), posixpath.normpath(name)) for name in _INCLUDED.findall(text))
+    return (posixpath.join(posixpath.dirname(path), posixpath.normpath(name)) for name in included_in(text))
 
 
 def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:
@@ -77,7 +73,7 @@ def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]
     laws = [replaced(environment, drivers=()) for environment in network.environments]
     copies = _copies(external_bodies(network.classes, laws), texts)
     for name, text in copies.items():
-        if name.endswith(".h") and not _GUARD.search(text):
+        if name.endswith(".h") and not may_be_included_twice(text):
             guard = as_one_word(name).upper()
             raise TargetError(
                 f"{name} has no include guard, and several files of the package include it\n"

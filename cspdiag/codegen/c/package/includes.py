@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from functools import lru_cache
 
-from cspdiag.codegen.c.interface.declarations import without_comments
+from cspdiag.codegen.c.interface.declarations import included_in, without_comments
 from cspdiag.codegen.c.text.reserved import MATHEMATICS
 
 _DEFINED = re.compile(
@@ -26,7 +25,6 @@ _BY_OTHERS: Mapping[str, frozenset[str]] = {
     ),
 }
 """What generated code gets from the headers of C that these include."""
-_INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
 def with_headers(paths: Iterable[str], files: Mapping[str, str], folders: Iterable[str]) -> list[str]:
@@ -40,12 +38,6 @@ def with_headers(paths: Iterable[str], files: Mapping[str, str], folders: Iterab
             names = included_in(files[path])
             pending += [place for name in names for folder in folders if (place := os.path.join(folder, name)) in files]
     return sorted(found)
-
-
-@lru_cache(maxsize=512)
-def included_in(text: str) -> tuple[str, ...]:
-    """The names in quotes that a text in C includes."""
-    return tuple(_INCLUDE.findall(text))
 
 
 def defined_in(text: str) -> frozenset[str]:
@@ -116,7 +108,7 @@ class Includes:
 
 
 def _without(text: str, headers: Collection[str]) -> str:
-    return _joined(row for row in text.split("\n") if not (found := _INCLUDE.match(row)) or found[1] not in headers)
+    return _joined(row for row in text.split("\n") if not (found := included_in(row)) or found[0] not in headers)
 
 
 def _including(text: str, headers: Iterable[str]) -> str:
