@@ -138,7 +138,7 @@ def test_a_library_states_the_licence_of_what_was_generated() -> None:
     licence = text[text.index("\nZero-Clause BSD License\n") + 1 :]
     for framework in FRAMEWORKS:
         made = pipeline.generate(network_of("jiwy/jiwy.csp"), read_source, "c", framework=framework)
-        assert made["LICENSE"] == licence
+        assert made["LICENSE"].split() == licence.split()
         if framework == "platformio":
             assert json.loads(made["library.json"])["license"] == "0BSD"
         if framework == "esp-idf":

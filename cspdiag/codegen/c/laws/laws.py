@@ -216,7 +216,7 @@ class LawFiles:
 
     def _source(self) -> str:
         rows = [f"/* See {self.name}.h. */", f'#include "{self.name}.h"', ""]
-        rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', ""]
+        rows += ['#include "csp_arithmetic.h"', '#include "constants.h"', ""]
         functions = [self._initialize(), self._reset()]
         if self.class_.derivatives:
             functions.append(self._slopes())

@@ -172,7 +172,7 @@ class EnvironmentFiles:
 
     def _source(self) -> str:
         rows = [f"/* See {self.name}.h. */", f'#include "{self.name}.h"', ""]
-        rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', '#include "types.h"']
+        rows += ['#include "csp_arithmetic.h"', '#include "types.h"', '#include "constants.h"']
         checks = self._devices.checks()
         rows += ['#include "csp_by_hand.h"', "", *checks] if checks else []
         parts: list[Statement] = [define(f"static struct {self.name}", "present"), *self._ports.transfers()]

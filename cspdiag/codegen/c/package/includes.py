@@ -68,11 +68,12 @@ class Includes:
         """The files without includes of headers of which they need nothing, and with those that other files had for
         them.
         """
+        before = {path: self._reached(path) for path in self._own}
         for path in self._own:
             self._files[path] = _without(self._files[path], self._defined.keys() - self._needed[path])
         for path in self._own:
-            reached = self._reached(path)
-            missing = [header for header in self._needed[path] if header not in reached and header != _FIRST]
+            lost = before[path] - self._reached(path) - {_FIRST}
+            missing = [header for header in self._needed[path] if header in lost]
             self._files[path] = _including(self._files[path], missing)
         for path in self._own:
             self._let_begin(path)
@@ -112,9 +113,15 @@ def _without(text: str, headers: Collection[str]) -> str:
 
 
 def _including(text: str, headers: Iterable[str]) -> str:
+    """The text with more includes: those of the kernel go before the constants of the program, because parameters in
+    the kernel would shadow these.
+    """
     added = [f'#include "{header}"' for header in headers]
     if not added:
         return text
+    constants = '#include "constants.h"'
+    if constants in text and constants not in added:
+        return text.replace(constants, "\n".join([*added, constants]), 1)
     rows = text.split("\n")
     places = [number for number, row in enumerate(rows, 1) if row.startswith("#include")]
     if not places:  # They go behind the guard.

@@ -131,7 +131,7 @@ class _Writer:
         for routine in composition.routines:
             roll_repeated(routine, composition.tables)
             divide(routine)
-        rows = [f'#include "{self.struct}.h"', "", '#include "constants.h"', '#include "csp_arithmetic.h"', ""]
+        rows = [f'#include "{self.struct}.h"', "", '#include "csp_arithmetic.h"', '#include "constants.h"', ""]
         states = [place.state for routine in composition.routines for place in routine.places]
         if states:
             entries = [f"{states[0]} = 1", *states[1:]]

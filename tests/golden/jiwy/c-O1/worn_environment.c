@@ -2,8 +2,8 @@
 /* See worn_environment.h. */
 #include "worn_environment.h"
 
-#include "constants.h"
 #include "csp_arithmetic.h"
+#include "constants.h"
 
 static const double pan_start = 1.4; /* plant.csp:26 */
 static const double pan_left = -1.62; /* plant.csp:26 */

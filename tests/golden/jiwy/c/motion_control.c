@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: 0BSD */
 #include "motion_control.h"
 
-#include "constants.h"
 #include "csp_arithmetic.h"
+#include "constants.h"
 
 /* Where the process waits, and where it continues after a failure. */
 enum {

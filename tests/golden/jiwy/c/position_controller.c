@@ -2,8 +2,8 @@
 /* See position_controller.h. */
 #include "position_controller.h"
 
-#include "constants.h"
 #include "csp_arithmetic.h"
+#include "constants.h"
 
 void position_controller_initialize(struct position_controller *self,
     const struct jiwy_servo_gains *gains, double reach, double rate, int64_t smoothing,
