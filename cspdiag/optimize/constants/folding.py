@@ -125,11 +125,15 @@ def _without_neutral(expression: BinaryOperation) -> Expression:
     if not agrees(expression.type, left.type):
         return expression
     match expression:
-        case BinaryOperation(operator="*", left=LiteralValue(value=one)) if _is_number(one, 1):
+        case BinaryOperation(operator="*", left=LiteralValue(value=one)) if _is_number(one, 1) and agrees(
+            expression.type, right.type
+        ):  # Not so in `1<ns> * n`, a time.
             return right
         case BinaryOperation(operator="*" | "/", right=LiteralValue(value=one)) if _is_number(one, 1):
             return left
-        case BinaryOperation(operator="*", left=LiteralValue(value=float(one))) if one == -1:
+        case BinaryOperation(operator="*", left=LiteralValue(value=float(one))) if one == -1 and agrees(
+            expression.type, right.type
+        ):
             return UnaryOperation(type=expression.type, span=expression.span, operator="-", operand=right)
         case BinaryOperation(operator="*" | "/", right=LiteralValue(value=float(one))) if one == -1:
             return UnaryOperation(type=expression.type, span=expression.span, operator="-", operand=left)
