@@ -13,6 +13,7 @@ from cspdiag.codegen.shared.names import words
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(\w*)(?:\\\n|[^\n])*$", re.MULTILINE)
 _DEFINITION = re.compile(r"\btypedef\b|\b(?:struct|union)\b[^;{}()=]*(?:\(\([^;{}]*\)\)[^;{}()=]*)?\{")
+_BRACE_OR_END = re.compile(r"[{};]")
 _MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(?![\w(])[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
 _TOKEN = re.compile(r"(\s*)(#[+!-]\d*|\w+|\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|\S)")
 _QUALIFIERS = words(
@@ -145,7 +146,7 @@ def declared_types(text: str, macros: dict[str, str]) -> Mapping[str, CType]:
 def _end_of_declaration(text: str, start: int) -> int:
     """Behind the semicolon that ends it."""
     depth = 0
-    for found in re.compile("[{};]").finditer(text, start):
+    for found in _BRACE_OR_END.finditer(text, start):
         depth += {"{": 1, "}": -1}.get(found[0], 0)
         if depth < 0 or (depth == 0 and found[0] == ";"):
             return found.end()

@@ -118,7 +118,9 @@ class Pointers:
             case Structure():
                 whole = prod(self._layout.count(path, length) for length in lengths)
                 for place in [f"{path}[{index}]" for index in range(whole)] if lengths else [path]:
-                    yield from self._members(owner, f"{place}." if place else "", known)
+                    # Of a structure without a name the members are those of the one around it.
+                    inside = place if not place or place.endswith(".") else f"{place}."
+                    yield from self._members(owner, inside, known)
             case Named() | Function() | NotUnderstood():  # `resolved` refuses the last; no header defines the first.
                 return
 

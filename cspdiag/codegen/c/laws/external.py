@@ -43,7 +43,7 @@ def external_texts(network: Network, read: Callable[[str], SourceFile]) -> dict[
     pending = list(found)
     while pending:
         path = pending.pop()
-        for included in included_beside(path, found[path]):
+        for included in included_paths(path, found[path]):
             if included in found:
                 continue
             try:
@@ -60,7 +60,7 @@ def external_texts(network: Network, read: Callable[[str], SourceFile]) -> dict[
     return found
 
 
-def included_beside(path: str, text: str) -> Iterator[str]:
+def included_paths(path: str, text: str) -> Iterator[str]:
     """The paths of what a file includes."""
     return (posixpath.join(posixpath.dirname(path), posixpath.normpath(name)) for name in included_in(text))
 
@@ -96,7 +96,7 @@ def _copies(bodies: Iterable[ExternalBody], texts: Mapping[str, str]) -> dict[st
         if path in copied:
             continue
         copied.add(path)
-        pending += (included for included in included_beside(path, texts.get(path, "")) if included in texts)
+        pending += (included for included in included_paths(path, texts.get(path, "")) if included in texts)
         name = posixpath.basename(path)
         if found.setdefault(name, path) != path:
             raise TargetError(f"{found[name]} and {path} would both be {name} in the package: rename one of them")

@@ -214,6 +214,7 @@ INDIRECT = [
     ("\nstruct scale {\n    csp_process process;", "#define OWN csp_process process;\nstruct scale {\n    OWN"),
     ("\nstruct scale {", "typedef csp_out own;\nstruct scale {\n"),
     ("    csp_out output;", "    struct { union { csp_out output; }; };"),
+    ("    csp_out output;", "    struct { struct { csp_out output; }; } inside;"),
     ("\nstruct scale {", "typedef struct { csp_out one; } own;\nstruct scale {"),
     ("\nstruct scale {", "typedef csp_out own[1];\n#define BOTH own output_;\nstruct scale {"),
 ]
@@ -232,7 +233,9 @@ def test_what_is_outside_of_the_struct_hides_no_member(before: str, after: str, 
     assert pipeline.generate(network, read_source, "c", 0)
 
 
-@pytest.mark.parametrize(("before", "after"), INDIRECT, ids=["macro", "typedef", "nameless", "struct", "array"])
+@pytest.mark.parametrize(
+    ("before", "after"), INDIRECT, ids=["macro", "typedef", "nameless", "inside", "struct", "array"]
+)
 def test_members_are_found_behind_macros_and_types(before: str, after: str, tmp_path: Path) -> None:
     """States without pointers need each place of one: as many as with members that are declared plainly."""
     plain = pipeline.generate(saved_network(tmp_path, HEADER), read_source, "c", 0)["network_pointers.c"]
@@ -244,6 +247,7 @@ def test_members_are_found_behind_macros_and_types(before: str, after: str, tmp_
     own = [row for row in plain.splitlines() if "struct scale, output" in row or "struct scale, process" in row]
     rows = [row for row in files["network_pointers.c"].splitlines() if row.startswith("    {offsetof(struct scale, ")]
     assert len(own) == 2
+    assert ".." not in files["network_pointers.c"]
     assert len(rows) == sum(row.startswith("    {offsetof(struct scale, ") for row in plain.splitlines())
 
 
