@@ -84,11 +84,11 @@ def test_generators_take_the_same_for_each_element(name: str, target: str, level
     ("name", "target", "most", "most_element_by_element"),
     [
         ("ring", "python", 100, 810),
-        ("ring", "c", 40, 820),
+        ("ring", "c", 40, 840),
         ("pipeline", "python", 45, 1_010),
-        ("pipeline", "c", 15, 1_050),
+        ("pipeline", "c", 15, 1_070),
         ("workers", "python", 340, 2_080),
-        ("workers", "c", 25, 2_060),
+        ("workers", "c", 25, 2_190),
         ("star", "python", 1_460, 4_550),
     ],
 )
@@ -106,7 +106,8 @@ def test_an_element_takes_few_calls_from_the_text_to_the_code(
             source = program(name, count)
             return lambda: pipeline.generate(network_of(source, for_code=for_code), read_source, target, 1)
 
-        compiling(many)()  # what is imported or computed once, or until records are made often
+        for _ in range(3):  # what is imported or computed once, or until records are made often
+            compiling(many)()
         return (calls(compiling(many)) - calls(compiling(few))) / (many - few)
 
     assert each(for_code=True) < most

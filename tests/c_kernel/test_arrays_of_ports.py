@@ -96,4 +96,7 @@ def test_arrays_of_ports_are_arrays_for_their_owner(level: int, compiler: str, s
     compile_once(compiler, standard, *warnings, main, "axes.o", "-lm", "-o", "program", cwd=tmp_path)
     lamps = ["lamp 0: 1", "lamp 1: 1", "lamp 2: 0"]
     assert run(tmp_path / "program").splitlines() == [*lamps, "control: 10, 20", *lamps]
-    assert "    struct axes_place feedback[2]; /* Positions of the axes, every 10 ms. */\n" in (tmp_path / "axes_api.h").read_text()
+    assert (
+        "    struct axes_place feedback[2]; /* Positions of the axes, every 10 ms. */\n"
+        in (tmp_path / "axes_api.h").read_text()
+    )

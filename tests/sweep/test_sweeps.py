@@ -363,7 +363,11 @@ def _busy_child(process: int) -> int:
     while True:
         for children in Path(f"/proc/{process}/task").glob("*/children"):
             for child in map(int, children.read_text().split()):
-                command = Path(f"/proc/{child}/cmdline").read_text()
+                try:
+                    command = Path(f"/proc/{child}/cmdline").read_text()
+                except OSError:
+                    # It has ended in between: a compiler.
+                    continue
                 if ("/programs/" in command or "in_python" in command) and _processor_time(child) > 0.2:
                     return child
         time.sleep(0.02)

@@ -11,6 +11,8 @@ from cspdiag.codegen.c.text.code import LINE_LENGTH, STEP
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.shared.document import Fill, Nest, render
 
+_NARROWEST = 40
+"""Characters of a line of words, at least, however far a comment is indented."""
 _PARAGRAPH = re.compile(r"(\s*)(?:/\*| \*) (\S.*)")
 _SAMPLE = re.compile(r"(\s* \* {2,})(\S.*)")
 """A line of code in a comment."""
@@ -69,12 +71,16 @@ def _comment(rows: Sequence[str]) -> tuple[list[str], int]:
             break
         words += f" {following[2]}"
         taken += 1
-    laid_out = textwrap.wrap(
-        words.removesuffix(" */"), LINE_LENGTH - len(indent) - 3, break_long_words=False, break_on_hyphens=False
-    )
+    laid_out = _wrapped(words.removesuffix(" */"), indent)
     begin = f"{indent}/* " if rows[0].startswith(f"{indent}/*") else f"{indent} * "
     end = [f"{indent} */"] if words.endswith(" */") else []
     return [f"{begin}{laid_out[0]}", *(f"{indent} * {line}" for line in laid_out[1:]), *end], taken
+
+
+def _wrapped(words: str, indent: str) -> list[str]:
+    """Lines for a comment."""
+    width = max(LINE_LENGTH - len(indent) - 3, _NARROWEST)
+    return textwrap.wrap(words, width, break_long_words=False, break_on_hyphens=False)
 
 
 def _code(row: str, before: str) -> list[str]:
@@ -85,8 +91,7 @@ def _code(row: str, before: str) -> list[str]:
     with_remark = _WITH_REMARK.fullmatch(row)
     if with_remark:
         indent, code, remark = with_remark.groups()
-        width = LINE_LENGTH - len(indent) - 3
-        above = comment(textwrap.wrap(remark, width, break_long_words=False, break_on_hyphens=False), indent)
+        above = comment(_wrapped(remark, indent), indent)
         return [*above, *(_code(f"{indent}{code}", before) if len(indent + code) > LINE_LENGTH else [indent + code])]
     ended = not before.strip() or before.startswith("#") or before.endswith(("{", "}", ";", ":", "*/"))
     return render(line_document(row.strip(), continues=not ended), LINE_LENGTH, len(row) - len(row.lstrip()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from cspdiag.codegen.c.interface.declarations import included_in, without_comments
 from cspdiag.codegen.c.text.reserved import MATHEMATICS
@@ -15,6 +15,8 @@ _DEFINED = re.compile(
     re.MULTILINE,
 )
 """Macros, functions, types and enumerators."""
+_INCLUDE = re.compile(r'^#include "([^"\n]+)"\n', re.MULTILINE)
+_EMPTY_LINES = re.compile(r"\n{3,}")
 _FIRST = "csp_core.h"
 """What it includes renames functions of the program, so each file needs it."""
 _BY_OTHERS: Mapping[str, frozenset[str]] = {
@@ -109,7 +111,8 @@ class Includes:
 
 
 def _without(text: str, headers: Collection[str]) -> str:
-    return _joined(row for row in text.split("\n") if not (found := included_in(row)) or found[0] not in headers)
+    kept = _INCLUDE.sub(lambda found: "" if found[1] in headers else found[0], text)
+    return _EMPTY_LINES.sub("\n\n", kept)
 
 
 def _including(text: str, headers: Iterable[str]) -> str:
@@ -135,16 +138,3 @@ def _beginning(text: str, include: str) -> str:
     if place is None:
         return _including(text, [_FIRST])
     return f"{text[: place.start()]}{include}\n{text[place.start() :]}"
-
-
-def _joined(rows: Iterable[str]) -> str:
-    """The lines, of which no two consecutive ones are empty."""
-
-    def single() -> Iterator[str]:
-        before = None
-        for row in rows:
-            if row or before != "":
-                yield row
-            before = row
-
-    return "\n".join(single())
