@@ -48,16 +48,17 @@ static void convert_all(void *memory, const csp_pointers *pointers, csp_pointer_
         } else {
             const csp_pointer_member *const member = &visit->structure->members[visit->member];
             char *const at = visit->at + member->offset + ((size_t)visit->element * member->stride);
-            visit->element++;
             if (visit->element == member->count) {
                 visit->element = 0U;
                 visit->member++;
-            }
-            if (member->inside == NULL) {
-                convert(at, converted, places);
             } else {
-                depth++;
-                visits[depth] = (csp_pointer_visit){at, member->inside, 0U, 0U};
+                visit->element++;
+                if (member->inside == NULL) {
+                    convert(at, converted, places);
+                } else {
+                    depth++;
+                    visits[depth] = (csp_pointer_visit){at, member->inside, 0U, 0U};
+                }
             }
         }
     }

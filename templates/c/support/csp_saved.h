@@ -17,7 +17,7 @@ typedef struct csp_pointers csp_pointers;
 /* A member that is a pointer or has pointers inside, or an array of them. */
 typedef struct csp_pointer_member {
     uint32_t offset;            /* in the structure */
-    uint32_t count;             /* of elements */
+    uint32_t count;             /* of elements; an array may have none */
     uint32_t stride;            /* from one element to the next */
     const csp_pointers *inside; /* the pointers of an element; NULL: it is one */
 } csp_pointer_member;
@@ -27,6 +27,10 @@ struct csp_pointers {
     const csp_pointer_member *members;
     uint32_t count;
 };
+
+/* The bytes of a member of a structure, or of an element of one; and how many elements there are, which are also those of arrays in arrays. */
+#define CSP_SIZE_OF(structure, member) (sizeof(((structure *)NULL)->member))
+#define CSP_ELEMENTS(structure, member, element) (CSP_SIZE_OF(structure, member) / CSP_SIZE_OF(structure, element))
 
 /* How far a structure has been gone through. One is needed for each level of structures inside each other. */
 typedef struct csp_pointer_visit {

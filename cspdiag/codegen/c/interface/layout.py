@@ -109,11 +109,20 @@ class Layout:
         found = self._types.get(self._known_as(name))
         return isinstance(found, Structure) and member not in _members(found)
 
+    def known_as(self, name: str) -> str:
+        """The name with which a structure was defined; the same for all names of its type."""
+        known = self._known_as(name)
+        seen: set[str] = set()
+        while isinstance(inside := self._types.get(known), Named) and known not in seen:
+            seen.add(known)
+            known = self._known_as(inside.name)
+        return known
+
     def path(self, name: str) -> str:
         """Of the header that defines a type."""
         return self._paths.get(self._known_as(name), "a header")
 
-    def count(self, name: str, length: str) -> int:
+    def _count(self, name: str, length: str) -> int:
         """The number of elements of an array called ``name``. Raises TargetError for one that is not understood."""
         number = self._lengths.value(length)
         if number is None:
@@ -148,7 +157,7 @@ class Layout:
                 return _Extent(self._pointer, self._pointer)
             case Array(element=element, length=length):
                 each = self._of(element, name)
-                return _Extent(each.size * self.count(name, length), each.alignment)
+                return _Extent(each.size * self._count(name, length), each.alignment)
             case Structure():
                 return self._of_members(type_)
             case NotUnderstood():

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from math import prod
+from itertools import count
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.declarations import Array, CType, Function, Named, NotUnderstood, Pointer, Structure
 from cspdiag.codegen.c.interface.layout import Layout
-from cspdiag.codegen.c.text.code import Aggregate, Code, call, cast, code, unsigned
+from cspdiag.codegen.c.text.code import SUM, Aggregate, Code, call, cast, code, infix, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.statements import Blank, Statement, lines, store
 from cspdiag.codegen.shared.target_error import TargetError
@@ -20,14 +20,47 @@ _HOOKS = ("csp_kernel", "hooks")
 
 
 @record
-class _Row:
-    """A pointer, or a structure with pointers: a member of ``owner``, which may be an array of ``count``."""
+class _Part:
+    """Of ``owner``, a structure with a name: what is at ``path`` in it, seen from ``base``, an element of an array, or
+    from its beginning if that is empty. In an array, ``element`` is the path of one of its elements.
+    """
 
     owner: str
+    base: str
     path: str
-    count: str
-    type: str
-    """Of the structure; empty for a pointer."""
+    element: str
+
+    def member(self, name: str) -> _Part:
+        """Of a structure; the members of one without a name are those of the one around it."""
+        path = f"{self.element}{'.' if self.element else ''}{name}".rstrip(".")
+        return _Part(self.owner, self.base, path, path)
+
+    def first(self) -> _Part:
+        """An element of an array."""
+        return _Part(self.owner, self.base, self.path, f"{self.element}[0]")
+
+    @property
+    def is_array(self) -> bool:
+        """Whether it has elements."""
+        return self.element != self.path
+
+    def offset(self) -> Code:
+        """From the base."""
+        offset = call("offsetof", self.owner, self.path)
+        return infix("-", SUM, offset, call("offsetof", self.owner, self.base)) if self.base else offset
+
+    def count(self) -> Code:
+        """Of the elements. Only a compiler knows it: lengths may depend on sizes and on its options."""
+        return call("CSP_ELEMENTS", self.owner, self.path, self.element) if self.is_array else unsigned(1)
+
+
+@record
+class _Row:
+    """A pointer, or a structure with pointers, whose ``table`` it is; or an array of them."""
+
+    part: _Part
+    size: Code
+    table: str = ""
 
 
 class Pointers:
@@ -38,6 +71,8 @@ class Pointers:
         self._classes = sorted(classes)
         self._rows: dict[str, list[_Row]] = {}
         self._depths: dict[str, int] = {}
+        self._tables: dict[str, str] = {}
+        """By the structure, or by the path of the array of structures without a name."""
         self._describe(_TOP)
 
     @property
@@ -51,9 +86,9 @@ class Pointers:
         rows = [*comment([about]), f'#include "{FILE}.h"', "", '#include "network.h"']
         rows += [*(f'#include "{name}.h"' for name in self._classes), ""]
         statements: list[Statement] = [*self._functions(), Blank()]
-        for table, members in self._rows.items():
-            if members:
-                statements += [*self._tables(table, members), Blank()]
+        for table, rows_of_table in self._rows.items():
+            if rows_of_table:
+                statements += [*self._written(table, rows_of_table), Blank()]
         return "\n".join([*rows, *lines(statements[:-1]), ""])
 
     def header(self) -> str:
@@ -69,26 +104,41 @@ class Pointers:
 
     # ---- Finding them
 
-    def _describe(self, type_name: str) -> int:
-        """The depth of a structure, 0 if it has no pointers."""
-        table = _table(type_name)
-        if table not in self._depths:
-            type_ = self._layout.resolved(Named(type_name))
-            rows = list(self._members(type_name, "", type_)) if isinstance(type_, Structure) else []
-            below = max((self._depths[_table(row.type)] for row in rows if row.type), default=0)
+    def _describe(self, type_name: str) -> str:
+        """The table of a structure with a name; empty if it has no pointers."""
+        type_ = self._layout.resolved(Named(type_name))
+        if not isinstance(type_, Structure):
+            return ""
+        return self._table(self._layout.known_as(type_name), type_name, _Part(type_name, "", "", ""), type_)
+
+    def _table(self, key: str, name: str, part: _Part, type_: Structure) -> str:
+        """The table of the structures that are like ``part``; empty if they have no pointers."""
+        if key not in self._tables:
+            table = self._tables[key] = FILE if name == _TOP else self._named(name)
+            rows = list(self._members(part, type_))
+            below = max((self._depths[row.table] for row in rows if row.table), default=0)
             self._rows[table] = rows
             self._depths[table] = below + 1 if rows else 0
-        return self._depths[table]
+        table = self._tables[key]
+        return table if self._depths[table] else ""
 
-    def _members(self, owner: str, path: str, type_: Structure) -> Iterator[_Row]:
+    def _named(self, name: str) -> str:
+        """A name that is free, and so is that of its rows."""
+        first = f"pointers_of_{_as_word(name.rpartition(' ')[2])}"
+        taken = {taken for table in self._tables.values() for taken in (table, _members_of(table))}
+        names = (f"{first}_{number}" if number > 1 else first for number in count(1))
+        return next(name for name in names if taken.isdisjoint((name, _members_of(name))))
+
+    def _members(self, around: _Part, type_: Structure) -> Iterator[_Row]:
         """In a union of pointers, the first represents all of them."""
         members = type_.members
         if type_.kind == "union" and all(isinstance(self._layout.resolved(one.type), Pointer) for one in members):
             members = members[:1]
         for member in members:
-            if (owner, member.name) == _HOOKS:
+            if (around.owner, member.name) == _HOOKS:
                 continue
-            rows = list(self._member(owner, f"{path}{member.name}", member.type, ()))
+            owner = around.owner
+            rows = list(self._member(around.member(member.name), member.type))
             if rows and member.condition:
                 raise TargetError(
                     f"{self._layout.path(owner)}:{member.condition}: whether `{owner}` has `{member.name}`, with a "
@@ -97,30 +147,30 @@ class Pointers:
                 )
             if rows and type_.kind == "union" and len(members) > 1:
                 raise TargetError(
-                    f"{self._layout.path(owner)}: whether the union in `{owner}` holds the pointer `{rows[0].path}` or "
-                    "something else is not known\n"
+                    f"{self._layout.path(owner)}: whether the union in `{owner}` holds the pointer "
+                    f"`{rows[0].part.path}` or something else is not known\n"
                     "  help: declare the members one after the other, so that states can be saved"
                 )
             yield from rows
 
-    def _member(self, owner: str, path: str, type_: CType, lengths: tuple[str, ...]) -> Iterator[_Row]:
-        """The rows of a member, an array if there are ``lengths``."""
+    def _member(self, part: _Part, type_: CType) -> Iterator[_Row]:
+        """The rows of a member."""
         known = self._layout.resolved(type_)
-        count = " * ".join(f"{length}U" if length.isdecimal() else length for length in lengths) or "1U"
         match known:
             case Pointer():
-                yield _Row(owner, path, count, "")
+                yield _Row(part, call("sizeof", "void *"))
             case Array():
-                yield from self._member(owner, path, known.element, (*lengths, known.length))
+                yield from self._member(part.first(), known.element)
             case Structure() if isinstance(type_, Named):
-                if self._describe(type_.name):
-                    yield _Row(owner, path, count, type_.name)
+                if table := self._describe(type_.name):
+                    yield _Row(part, call("sizeof", type_.name), table)
+            case Structure() if part.is_array:
+                inside = _Part(part.owner, part.element, part.element, part.element)
+                key, name = f"{part.owner}.{part.element}", f"{part.owner}_{part.element}"
+                if table := self._table(key, name, inside, known):
+                    yield _Row(part, call("CSP_SIZE_OF", part.owner, part.element), table)
             case Structure():
-                whole = prod(self._layout.count(path, length) for length in lengths)
-                for place in [f"{path}[{index}]" for index in range(whole)] if lengths else [path]:
-                    # Of a structure without a name the members are those of the one around it.
-                    inside = place if not place or place.endswith(".") else f"{place}."
-                    yield from self._members(owner, inside, known)
+                yield from self._members(part, known)
             case Named() | Function() | NotUnderstood():  # `resolved` refuses the last; no header defines the first.
                 return
 
@@ -131,22 +181,25 @@ class Pointers:
         entries = tuple((None, cast("csp_function *", code(name))) for name in names)
         yield store("csp_function *const network_functions[CSP_NETWORK_FUNCTIONS]", Aggregate(entries))
 
-    def _tables(self, table: str, members: list[_Row]) -> Iterator[Statement]:
-        rows = Aggregate(tuple((None, self._row(row)) for row in members))
-        yield store(f"static const csp_pointer_member {table}_members[]", rows)
+    def _written(self, table: str, rows: list[_Row]) -> Iterator[Statement]:
+        value = Aggregate(tuple((None, self._row(row)) for row in rows))
+        yield store(f"static const csp_pointer_member {_members_of(table)}[]", value)
         storage = "" if table == FILE else "static "
-        value = Aggregate(((None, code(f"{table}_members")), (None, unsigned(len(members)))))
+        value = Aggregate(((None, code(_members_of(table))), (None, unsigned(len(rows)))))
         yield store(f"{storage}const csp_pointers {table}", value)
 
     def _row(self, row: _Row) -> Code:
-        stride = call("sizeof", row.type or "void *")
-        inside = code(f"&{_table(row.type)}") if row.type else code("NULL")
-        parts = [call("offsetof", row.owner, row.path), code(row.count), stride, inside]
-        return Aggregate(tuple((None, part) for part in parts))
+        inside = code(f"&{row.table}") if row.table else code("NULL")
+        return Aggregate(tuple((None, part) for part in (row.part.offset(), row.part.count(), row.size, inside)))
 
 
-def _table(type_name: str) -> str:
-    return FILE if type_name == _TOP else f"pointers_of_{type_name.rpartition(' ')[2]}"
+def _as_word(path: str) -> str:
+    """Of ``law_w[0].x[0]``: ``law_w_x``."""
+    return path.replace("[0]", "").replace(".", "_")
+
+
+def _members_of(table: str) -> str:
+    return f"{table}_members"
 
 
 def pointer_files(layout: Layout, classes: Iterable[str]) -> dict[str, str]:

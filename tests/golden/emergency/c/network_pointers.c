@@ -43,7 +43,10 @@ static const csp_pointer_member pointers_of_csp_kernel_members[] = {
     {offsetof(csp_kernel, current), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, program), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, earliest), 1U, sizeof(void *), NULL},
-    {offsetof(csp_kernel, ready), CSP_LEVELS, sizeof(csp_queue), &pointers_of_csp_queue},
+    {
+        offsetof(csp_kernel, ready), CSP_ELEMENTS(csp_kernel, ready, ready[0]), sizeof(csp_queue),
+        &pointers_of_csp_queue
+    },
     {offsetof(csp_kernel, fault), 1U, sizeof(csp_fault_note), &pointers_of_csp_fault_note},
     {offsetof(csp_kernel, error), 1U, sizeof(csp_error), &pointers_of_csp_error},
     {offsetof(csp_kernel, loop), 1U, sizeof(void *), NULL},

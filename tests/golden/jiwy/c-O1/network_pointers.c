@@ -43,7 +43,10 @@ static const csp_pointer_member pointers_of_csp_kernel_members[] = {
     {offsetof(csp_kernel, current), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, program), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, earliest), 1U, sizeof(void *), NULL},
-    {offsetof(csp_kernel, ready), CSP_LEVELS, sizeof(csp_queue), &pointers_of_csp_queue},
+    {
+        offsetof(csp_kernel, ready), CSP_ELEMENTS(csp_kernel, ready, ready[0]), sizeof(csp_queue),
+        &pointers_of_csp_queue
+    },
     {offsetof(csp_kernel, fault), 1U, sizeof(csp_fault_note), &pointers_of_csp_fault_note},
     {offsetof(csp_kernel, error), 1U, sizeof(csp_error), &pointers_of_csp_error},
     {offsetof(csp_kernel, loop), 1U, sizeof(void *), NULL},
@@ -194,8 +197,10 @@ static const csp_pointer_member pointers_of_joint_control_members[] = {
         sizeof(csp_alternative), &pointers_of_csp_alternative
     },
     {
-        offsetof(struct joint_control, motionControl_choice.guards), 2U, sizeof(csp_guard),
-        &pointers_of_csp_guard
+        offsetof(struct joint_control, motionControl_choice.guards),
+        CSP_ELEMENTS(struct joint_control, motionControl_choice.guards,
+            motionControl_choice.guards[0]),
+        sizeof(csp_guard), &pointers_of_csp_guard
     },
     {
         offsetof(struct joint_control, alignL_run_velocity_branch), 1U, sizeof(csp_process),
@@ -222,7 +227,11 @@ static const csp_pointer_member pointers_of_joint_control_members[] = {
         offsetof(struct joint_control, homing_interrupt_run_servo), 1U, sizeof(csp_interrupt),
         &pointers_of_csp_interrupt
     },
-    {offsetof(struct joint_control, offers_made), 2U, sizeof(csp_offer), &pointers_of_csp_offer}
+    {
+        offsetof(struct joint_control, offers_made),
+        CSP_ELEMENTS(struct joint_control, offers_made, offers_made[0]), sizeof(csp_offer),
+        &pointers_of_csp_offer
+    }
 };
 static const csp_pointers pointers_of_joint_control = {pointers_of_joint_control_members, 24U};
 

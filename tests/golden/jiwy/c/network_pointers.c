@@ -50,7 +50,10 @@ static const csp_pointer_member pointers_of_csp_kernel_members[] = {
     {offsetof(csp_kernel, current), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, program), 1U, sizeof(void *), NULL},
     {offsetof(csp_kernel, earliest), 1U, sizeof(void *), NULL},
-    {offsetof(csp_kernel, ready), CSP_LEVELS, sizeof(csp_queue), &pointers_of_csp_queue},
+    {
+        offsetof(csp_kernel, ready), CSP_ELEMENTS(csp_kernel, ready, ready[0]), sizeof(csp_queue),
+        &pointers_of_csp_queue
+    },
     {offsetof(csp_kernel, fault), 1U, sizeof(csp_fault_note), &pointers_of_csp_fault_note},
     {offsetof(csp_kernel, error), 1U, sizeof(csp_error), &pointers_of_csp_error},
     {offsetof(csp_kernel, loop), 1U, sizeof(void *), NULL},
@@ -212,9 +215,17 @@ static const csp_pointer_member pointers_of_motion_control_members[] = {
         offsetof(struct motion_control, choice.alternative), 1U, sizeof(csp_alternative),
         &pointers_of_csp_alternative
     },
-    {offsetof(struct motion_control, choice.guards), 2U, sizeof(csp_guard), &pointers_of_csp_guard},
+    {
+        offsetof(struct motion_control, choice.guards),
+        CSP_ELEMENTS(struct motion_control, choice.guards, choice.guards[0]), sizeof(csp_guard),
+        &pointers_of_csp_guard
+    },
     {offsetof(struct motion_control, offers), 1U, sizeof(csp_offers), &pointers_of_csp_offers},
-    {offsetof(struct motion_control, offers_made), 2U, sizeof(csp_offer), &pointers_of_csp_offer}
+    {
+        offsetof(struct motion_control, offers_made),
+        CSP_ELEMENTS(struct motion_control, offers_made, offers_made[0]), sizeof(csp_offer),
+        &pointers_of_csp_offer
+    }
 };
 static const csp_pointers pointers_of_motion_control = {pointers_of_motion_control_members, 16U};
 
