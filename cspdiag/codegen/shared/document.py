@@ -129,6 +129,8 @@ _Item: TypeAlias = tuple[int, bool, Document]
 class _Layout:
     def __init__(self, width: int) -> None:
         self.width = width
+        self._found: dict[tuple[int, int, int, int], list[str] | None] = {}
+        """What was found for several layouts at a place: they are inside each other, and each tries all inside it."""
 
     def lines(
         self, items: Sequence[_Item], column: int, following: int = 0, *, only_if_all_fit: bool = False
@@ -170,7 +172,10 @@ class _Layout:
                     else:
                         stack.append((depth, True, self._first(document, before + len(line), stack, following)))
                 case FirstThatFits(layouts=layouts):
-                    found = self._first_of(layouts[:-1], depth, before + len(line), self._ahead(stack, following))
+                    place = id(document), depth, before + len(line), self._ahead(stack, following)
+                    if place not in self._found:
+                        self._found[place] = self._first_of(layouts[:-1], *place[1:])
+                    found = self._found[place]
                     if found is None:
                         stack.append((depth, True, layouts[-1]))
                         continue

@@ -45,6 +45,7 @@ class _Reader:
     def __init__(self, text: str) -> None:
         self._tokens = _TOKEN.findall(text)
         self._at = 0
+        self._closed = _closed(self._tokens)
 
     def items(self, closing: str) -> list[Document]:
         """What is between commas, up to the bracket that closes; others that nothing opens belong to words."""
@@ -61,18 +62,29 @@ class _Reader:
             elif token.isspace():
                 words += [()] if words[-1] else []
             else:
-                found = self._bracket(token, is_call=bool(words[-1])) if token in _CLOSING else _atom(token)
+                is_bracket = self._at - 1 in self._closed
+                found = self._bracket(token, is_call=bool(words[-1])) if is_bracket else _atom(token)
                 words[-1] = (words[-1], found)
         return [*items, _item(_with_ends(words))]
 
     def _bracket(self, opening: str, *, is_call: bool) -> Document:
-        start = self._at
         items = self.items(_CLOSING[opening])
-        if self._at == len(self._tokens):  # It is closed on a line below.
-            self._at = start
-            return opening
         self._at += 1
         return _enclosed(opening, items, is_call=is_call)
+
+
+def _closed(tokens: Sequence[str]) -> set[int]:
+    """Where brackets are that open and are closed on the same line, not on one below."""
+    found: set[int] = set()
+    opened: list[int] = []
+    for at, token in enumerate(tokens):
+        if token in _CLOSING:
+            opened.append(at)
+        elif any(token == _CLOSING[tokens[place]] for place in opened):
+            while token != _CLOSING[tokens[opened[-1]]]:
+                opened.pop()
+            found.add(opened.pop())
+    return found
 
 
 def _enclosed(opening: str, items: Sequence[Document], *, is_call: bool) -> Document:
