@@ -9,6 +9,7 @@ import importlib
 import re
 import tracemalloc
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from types import CodeType
 
@@ -25,6 +26,7 @@ from cspdiag.proofs.transitions import transition_system
 from cspdiag.proofs.verdict import Limits
 from cspdiag.simulate.record.modes import mode_groups
 from tests.support.counting import calls, lines
+from tests.support.thorough import in_turn
 from tests.support.verifying import answers_to
 
 NETWORKS = Path(__file__).parents[1] / "benchmarks" / "networks"
@@ -68,11 +70,13 @@ def test_checks_take_the_same_for_each_element(name: str, form: str) -> None:
     assert growth(lambda count: lambda: pipeline.check(program(name, count, form), read_source)) < MOST_GROWTH
 
 
-@pytest.mark.parametrize("form", ["array", "lines"])
-@pytest.mark.parametrize("level", [0, 1])
-@pytest.mark.parametrize("target", ["python", "c"])
-@pytest.mark.parametrize("name", ["ring", "workers", "star"])
-def test_generators_take_the_same_for_each_element(name: str, target: str, level: int, form: str) -> None:
+@pytest.mark.parametrize(
+    ("network_and_target", "way"),
+    in_turn(product(("ring", "workers", "star"), ("python", "c")), tuple(product((0, 1), ("array", "lines")))),
+)
+def test_generators_take_the_same_for_each_element(network_and_target: tuple[str, str], way: tuple[int, str]) -> None:
+    (name, target), (level, form) = network_and_target, way
+
     def generating(count: int) -> Callable[[], object]:
         made = network(name, count, form)
         return lambda: pipeline.generate(made, read_source, target, level)

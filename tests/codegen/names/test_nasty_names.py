@@ -12,6 +12,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,7 @@ from cspdiag.codegen.c.text.names import _NETWORK_NAMES, FILES, identifier, libr
 from cspdiag.codegen.c.text.reserved import _KEYWORDS, _LIBRARY
 from cspdiag.codegen.python.text.names import BUILTINS, KEYWORDS, MEMBERS, MODULES
 from tests.codegen.packages import network, read
+from tests.support.thorough import THOROUGH, in_turn
 
 PROGRAM = """
 const {constant} = 2.5
@@ -281,11 +283,9 @@ def test_events_with_names_of_the_interface_have_functions_with_a_number() -> No
 
 @pytest.mark.parametrize(
     "file",
-    [
-        "csp", "csp_event", "CSP", "int", "network", "main", "types", "m", "csp_core",
-        "connect", "safe", "write", "read", "poll", "attach", "initialize", "set", "copy",
-    ],
-)  # fmt: skip
+    ["csp", "CSP", "int", "network", "main", "types", "csp_core", "connect", "initialize"]
+    + ["csp_event", "m", "safe", "write", "read", "poll", "attach", "set", "copy"] * THOROUGH,
+)
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
 def test_programs_with_the_names_of_files_and_of_the_kernel(file: str) -> None:
     names = {role: f"{role[:1]}{number}q" for number, role in enumerate(ROLES)} | {
@@ -341,17 +341,22 @@ environment Bench for Top step 1 ms {{ plant : Law({of_law} = 0.5)  y -> plant.x
 """
 
 
-@pytest.mark.parametrize("file", ["top", "network"])
-@pytest.mark.parametrize("word", ["class", "places", "step", "initialize", "reset", "calculate", "slopes", "integrate"])
+@pytest.mark.parametrize(
+    ("word", "way"),
+    in_turn(
+        ("class", "places", "step", "initialize", "reset", "calculate", "slopes", "integrate"),
+        tuple(product(("top", "network"), (0, 1))),
+    ),
+)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
-def test_no_parameter_hides_a_function_of_its_class(word: str, file: str, tmp_path: Path) -> None:
+def test_no_parameter_hides_a_function_of_its_class(word: str, way: tuple[str, int], tmp_path: Path) -> None:
+    file, level = way
     names = {"tuned": f"motor_{word}", "of_law": f"law_{word}", "let": f"motor_law_{word}", "of_process": f"law_{word}"}
     path = tmp_path / f"{file}.csp"
     path.write_text(HIDING.format(**names))
     program = cspdiag.load(path)
     expected = program.run(until="20 ms", level="reference")
-    for level in (0, 1):
-        assert (*program.run(until="20 ms", target="c", level=level)["y"],) == (*expected["y"],)
+    assert (*program.run(until="20 ms", target="c", level=level)["y"],) == (*expected["y"],)
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
