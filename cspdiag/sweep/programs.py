@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from cspdiag.base.files.content import digest_of_file
 from cspdiag.base.record import record
-from cspdiag.codegen.c.interface.declarations import included_in
+from cspdiag.codegen.c.interface.directives import included_in
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import Environment
 from cspdiag.network.ir.walk import parts

@@ -51,7 +51,7 @@
  *         csp_in_init(&self->level, ports->level, &self->ends);
  *     }
  *
- * Saved states have no pointers, so members with pointers are found in the text of the header: they are declared without #if around them.
+ * Saved states have no pointers, so members with pointers are found in the text of the header: they are declared without #if around them or their types.
  *
  * A local variable of a step function exists until the process waits; what has to exist longer is a member of the struct. A process waits with
  * CSP_READ, CSP_WRITE, and CSP_AWAIT with csp_wait; it fails with `(void)csp_raise(csp, party, EXCEPTION_..., "logger.c:12"); goto fails;`.

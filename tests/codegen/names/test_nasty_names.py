@@ -124,7 +124,7 @@ thread_local throw try typeid typename using virtual wchar_t xor xor_eq
 """
 INTERFACE = """
 memory instance input inputs output outputs hooks state begin advance continues next finish release stop save restore
-describe api types build size_suffices SIZE API_H TYPES_H MORE BUDGET REFUSED ENDED FAILED DEADLOCK STOPPED
+describe api types build size_is_too_small SIZE API_H TYPES_H MORE BUDGET REFUSED ENDED FAILED DEADLOCK STOPPED
 sample actuate lock unlock wake alive context real_time network network_names main constants
 external present brought csp csp_read Csp CSP CSP_MS csp_config Network NetworkDrivers Memory Instance Hooks State
 Inputs Input Double4 Double_4 IntT Int64 Int64T _x __x _X x_ X_t x__y E EOF I M_PI

@@ -8,20 +8,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.interface.declarations import (
+from cspdiag.codegen.c.interface.declarations import declared_types, type_named
+from cspdiag.codegen.c.interface.directives import Macros, included_in, without_comments
+from cspdiag.codegen.c.interface.lengths import Lengths
+from cspdiag.codegen.c.interface.structures import (
     Array,
     CType,
+    Either,
     Function,
     Named,
     NotUnderstood,
     Pointer,
     Structure,
-    declared_types,
-    included_in,
-    type_named,
-    without_comments,
+    either,
 )
-from cspdiag.codegen.c.interface.lengths import Lengths
 from cspdiag.codegen.shared.target_error import TargetError
 
 _SCALARS = {
@@ -55,27 +55,30 @@ class Layout:
         self._types: dict[str, CType] = {}
         self._known: dict[tuple[str, int], _Extent] = {}
         self._pointer = 8
-        self._paths: dict[str, str] = {}
-        self._within: list[str] = []
-        """The headers of the structures that are computed, each inside the one before."""
+        self._places: dict[str, tuple[str, int]] = {}
+        """The header of each type, and the line."""
+        self._computed: list[str] = []
+        """The names of the types that are computed, each inside the one before."""
+        self._within: list[tuple[str, int]] = []
+        """Where the structures are that are computed, each inside the one before: its header, and the line."""
         self._texts = {path: without_comments(text) for path, text in headers.items()}
         for text in self._texts.values():
             self._lengths.add(text)
-        self._macros: dict[str, dict[str, str]] = {}
+        self._macros: dict[str, Macros] = {}
         for path in self._texts:
             self._read(path)
 
-    def _read(self, path: str) -> Mapping[str, str]:
+    def _read(self, path: str) -> Macros:
         """Read the definitions of a header and of those that it includes; its macros."""
         if path not in self._macros:
-            macros: dict[str, str] = {}
-            self._macros[path] = macros
+            self._macros[path] = Macros(path)  # For headers that include each other.
             text = self._texts[path]
-            for included in included_in(text):
-                macros |= self._read(included) if included in self._texts else {}
-            declared = declared_types(text, macros)
-            self._types |= declared
-            self._paths |= dict.fromkeys(declared, path)
+            included = [self._read(name) for name in included_in(text) if name in self._texts]
+            self._macros[path] = Macros(path, included, self._lengths.texts)
+            for name, (type_, line) in declared_types(text, self._macros[path], self._types.__contains__).items():
+                before = self._types.get(name, type_)
+                self._types[name] = type_ if before == type_ else either((before, type_), f"{path}:{line}")
+                self._places[name] = path, line
         return self._macros[path]
 
     def size(self, name: str, pointer: int = 8) -> int:
@@ -98,16 +101,17 @@ class Layout:
             type_ = self._types.get(known, type_)
         if isinstance(type_, NotUnderstood):
             inside = f" in `{known}`" if known else ""
+            place = f"{self.path(known)}:{type_.line}" if known in self._places else self._place
             raise TargetError(
-                f"{self._paths.get(known) or self._place}: `{type_.part}`{inside} is not understood\n"
-                "  help: declare each member as in `double level;`"
+                f"{place}: `{type_.part}`{inside} is not understood\n  help: declare each member as in `double level;`"
             )
         return type_
 
     def lacks(self, name: str, member: str) -> bool:
         """Whether a structure that is defined has no member of this name, also not in one inside without a name."""
         found = self._types.get(self._known_as(name))
-        return isinstance(found, Structure) and member not in _members(found)
+        alternatives = found.types if isinstance(found, Either) else (found,)
+        return all(isinstance(one, Structure) and member not in _members(one) for one in alternatives)
 
     def known_as(self, name: str) -> str:
         """The name with which a structure was defined; the same for all names of its type."""
@@ -120,7 +124,7 @@ class Layout:
 
     def path(self, name: str) -> str:
         """Of the header that defines a type."""
-        return self._paths.get(self._known_as(name), "a header")
+        return self._places.get(self._known_as(name), ("a header", 0))[0]
 
     def _count(self, name: str, length: str) -> int:
         """The number of elements of an array called ``name``. Raises TargetError for one that is not understood."""
@@ -134,8 +138,8 @@ class Layout:
 
     @property
     def _place(self) -> str:
-        """The header of the structure that is computed."""
-        return self._within[-1] if self._within else "a header"
+        """Of what is computed."""
+        return f"{self._within[-1][0]}:{self._within[-1][1]}" if self._within else "a header"
 
     def _known_as(self, name: str) -> str:
         return name if name in self._types else f"struct {name}"
@@ -148,10 +152,18 @@ class Layout:
         match type_:
             case Named(name=known):
                 key = known, self._pointer
+                if known in self._computed:
+                    raise TargetError(
+                        f"{self._place}: `{known}` may contain itself, so it is not known how large it is\n"
+                        "  help: let it have a pointer, and define each type once, without a condition"
+                    )
                 if key not in self._known:
-                    self._within.append(self._paths.get(self._known_as(known), self._place))
+                    self._computed.append(known)
+                    around = self._within[-1] if self._within else ("a header", 0)
+                    self._within.append(self._places.get(self._known_as(known), around))
                     self._known[key] = self._of_named(type_, name)
                     self._within.pop()
+                    self._computed.pop()
                 return self._known[key]
             case Pointer() | Function():
                 return _Extent(self._pointer, self._pointer)
@@ -160,6 +172,9 @@ class Layout:
                 return _Extent(each.size * self._count(name, length), each.alignment)
             case Structure():
                 return self._of_members(type_)
+            case Either(types=types):
+                extents = [self._of(one, name) for one in types]
+                return _Extent(max(one.size for one in extents), max(one.alignment for one in extents))
             case NotUnderstood():
                 return self._of(self.resolved(type_), name)
 
@@ -203,6 +218,8 @@ class Layout:
     def _of_members(self, type_: Structure) -> _Extent:
         end, largest, alignment = 0, 1, 1
         for member in type_.members:
+            if self._within:
+                self._within[-1] = self._within[-1][0], member.line
             extent = self._of(member.type, member.name)
             aligned = max(extent.alignment, *(self._aligned(text) for text in ("1", *member.alignment)))
             alignment = max(alignment, aligned)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
-from cspdiag.codegen.c.interface.declarations import macros_of
+from cspdiag.codegen.c.interface.directives import macros_of
 
 _ENUM = re.compile(r"\benum\s*\w*\s*\{([^}]*)\}")
+_SIZE_OF_TEXT = re.compile(r"\bsizeof\s*\(\s*\"((?:\\.|[^\"\\])*)\"\s*\)")
 _SIZEOF = re.compile(r"\bsizeof\s*\(([^()]*)\)")
 _WORDS = re.compile(r"\bCSP_WORDS\(([^()]*)\)")
 _NAME = re.compile(r"\b[A-Za-z_]\w*\b")
@@ -39,23 +40,48 @@ class Lengths:
     """The constants that headers define as macros or in enumerations. ``size`` gives the bytes of a type."""
 
     def __init__(self, constants: Mapping[str, int], size: Callable[[str], int]) -> None:
-        self._texts = {name: str(value) for name, value in constants.items()}
+        self._texts = {name: [str(value)] for name, value in constants.items()}
         self._size = size
+        self._within: list[str] = []
+        """The constants with several values that are computed, each for the one before."""
+
+    @property
+    def texts(self) -> Mapping[str, Sequence[str]]:
+        """All that a constant is defined to be, in any header and under any condition."""
+        return self._texts
 
     def add(self, text: str) -> None:
         """Add those of a header without comments."""
-        self._texts |= {name: body for _, name, body in macros_of(text)}
+        for name, body in macros_of(text):
+            self._define(name, body)
         for (body,) in ((found[1],) for found in _ENUM.finditer(text)):
             before = "-1"
             for entry in filter(None, (part.strip() for part in body.split(","))):
                 name, _, value = (part.strip() for part in entry.partition("="))
-                self._texts[name] = f"({value})" if value else f"({before} + 1)"
+                self._define(name, f"({value})" if value else f"({before} + 1)")
                 before = name
 
+    def _define(self, name: str, text: str) -> None:
+        known = self._texts.setdefault(name, [])
+        if text not in known:
+            known.append(text)
+
+    def _text(self, name: str) -> str:
+        """Of a constant, the largest one; of another name, itself."""
+        texts = self._texts.get(name, [name])
+        if len(texts) == 1 or name in self._within:
+            return texts[-1]
+        self._within.append(name)
+        values = [value for value in map(self.value, texts) if value is not None]
+        self._within.pop()
+        return str(max(values)) if values else texts[-1]
+
     def value(self, text: str) -> int | None:
-        """Of an expression; None if it is not understood. CSP_WORDS is that of words of 32 bits, the largest."""
+        """Of an expression, the largest one with any definitions of its constants; None if it is not understood.
+        CSP_WORDS is that of words of 32 bits, the largest.
+        """
         for _ in range(_DEEPEST):
-            before, text = text, _NAME.sub(lambda found: self._texts.get(found[0], found[0]), text)
+            before, text = text, _SIZE_OF_TEXT.sub(_size_of_text, _NAME.sub(lambda found: self._text(found[0]), text))
             if text == before:
                 break
             if len(text) > _LONGEST:
@@ -68,6 +94,11 @@ class Lengths:
             return _computed(ast.parse(plain.strip(), mode="eval").body)
         except (SyntaxError, ValueError, ArithmeticError):
             return None
+
+
+def _size_of_text(found: re.Match[str]) -> str:
+    """At most: what is written with a backslash is shorter."""
+    return str(len(found[1].encode()) + 1)
 
 
 def _computed(node: ast.expr) -> int:

@@ -6,8 +6,17 @@ from collections.abc import Iterable, Iterator
 from itertools import count
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.interface.declarations import Array, CType, Function, Named, NotUnderstood, Pointer, Structure
 from cspdiag.codegen.c.interface.layout import Layout
+from cspdiag.codegen.c.interface.structures import (
+    Array,
+    CType,
+    Either,
+    Function,
+    Named,
+    NotUnderstood,
+    Pointer,
+    Structure,
+)
 from cspdiag.codegen.c.text.code import SUM, Aggregate, Code, call, cast, code, infix, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.statements import Blank, Statement, lines, store
@@ -106,7 +115,7 @@ class Pointers:
 
     def _describe(self, type_name: str) -> str:
         """The table of a structure with a name; empty if it has no pointers."""
-        type_ = self._layout.resolved(Named(type_name))
+        type_ = self._known(Named(type_name))
         if not isinstance(type_, Structure):
             return ""
         return self._table(self._layout.known_as(type_name), type_name, _Part(type_name, "", "", ""), type_)
@@ -132,7 +141,7 @@ class Pointers:
     def _members(self, around: _Part, type_: Structure) -> Iterator[_Row]:
         """In a union of pointers, the first represents all of them."""
         members = type_.members
-        if type_.kind == "union" and all(isinstance(self._layout.resolved(one.type), Pointer) for one in members):
+        if type_.kind == "union" and all(isinstance(self._known(one.type), Pointer) for one in members):
             members = members[:1]
         for member in members:
             if (around.owner, member.name) == _HOOKS:
@@ -147,20 +156,35 @@ class Pointers:
                 )
             if rows and type_.kind == "union" and len(members) > 1:
                 raise TargetError(
-                    f"{self._layout.path(owner)}: whether the union in `{owner}` holds the pointer "
+                    f"{self._layout.path(owner)}:{member.line}: whether the union in `{owner}` holds the pointer "
                     f"`{rows[0].part.path}` or something else is not known\n"
                     "  help: declare the members one after the other, so that states can be saved"
                 )
             yield from rows
 
+    def _known(self, type_: CType) -> CType:
+        """The type that a name has in the end; any of those that differ in nothing but lengths."""
+        known = self._layout.resolved(type_)
+        while isinstance(known, Either) and not known.place:
+            known = self._layout.resolved(known.types[0])
+        return known
+
     def _member(self, part: _Part, type_: CType) -> Iterator[_Row]:
         """The rows of a member."""
-        known = self._layout.resolved(type_)
+        known = self._known(type_)
         match known:
             case Pointer():
                 yield _Row(part, call("sizeof", "void *"))
             case Array():
                 yield from self._member(part.first(), known.element)
+            case Either(types=types, place=place):
+                if any(map(self._may_point, types)):
+                    of = f", of the type `{type_.name}`," if isinstance(type_, Named) else ""
+                    raise TargetError(
+                        f"{place}: whether `{part.path}` in `{part.owner}`{of} has a pointer is not known: its type is "
+                        "defined under a condition, or more than once\n"
+                        "  help: define it once, without a condition, so that states can be saved"
+                    )
             case Structure() if isinstance(type_, Named):
                 if table := self._describe(type_.name):
                     yield _Row(part, call("sizeof", type_.name), table)
@@ -173,6 +197,20 @@ class Pointers:
                 yield from self._members(part, known)
             case Named() | Function() | NotUnderstood():  # `resolved` refuses the last; no header defines the first.
                 return
+
+    def _may_point(self, type_: CType) -> bool:
+        """Whether it may have a pointer."""
+        match self._layout.resolved(type_):
+            case Pointer():
+                return True
+            case Array(element=element):
+                return self._may_point(element)
+            case Structure(members=members):
+                return any(self._may_point(member.type) for member in members)
+            case Either(types=types):
+                return any(map(self._may_point, types))
+            case Named() | Function() | NotUnderstood():
+                return False
 
     # ---- Writing them
 

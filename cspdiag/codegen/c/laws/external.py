@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from cspdiag.base import SourceFile
 from cspdiag.base.record import replaced
-from cspdiag.codegen.c.interface.declarations import included_in, may_be_included_twice
+from cspdiag.codegen.c.interface.directives import included_in, may_be_included_twice
 from cspdiag.codegen.shared.names import as_one_word
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody

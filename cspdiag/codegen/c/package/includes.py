@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Collection, Iterable, Mapping
 
-from cspdiag.codegen.c.interface.declarations import included_in, without_comments
+from cspdiag.codegen.c.interface.directives import included_in, without_comments
 from cspdiag.codegen.c.text.reserved import MATHEMATICS
 
 _DEFINED = re.compile(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.interface.declarations import Named, Structure
 from cspdiag.codegen.c.interface.layout import Layout
+from cspdiag.codegen.c.interface.structures import Either, Named, Structure
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.media import Access
@@ -37,6 +37,8 @@ def require_first_member(class_: ProcessClass, headers: Layout, names: PackageNa
     """Raises TargetError if the struct of a process does not begin with what the kernel takes for it."""
     struct = f"struct {names.classes[class_.name]}"
     found = headers.resolved(Named(struct))
+    if isinstance(found, Either):  # Whether each begins with the same is seen when its pointers are found.
+        found = found.types[0]
     if isinstance(found, Structure) and [(one.name, one.type) for one in found.members[:1]] != [_FIRST]:
         raise TargetError(
             f"{leaf_header(class_)}: `{struct}` does not begin with the process that the kernel runs\n"

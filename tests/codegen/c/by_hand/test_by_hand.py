@@ -424,9 +424,9 @@ def test_headers_without_a_guard_are_refused(name: str, tmp_path: Path) -> None:
     ("includes", "members", "reason"),
     [
         ('#include "../common.h"', "", "common.h, which is in another folder"),
-        ("", "fir_instance fir;", "valve.h: `fir_instance`, the type of `fir`, is not defined here"),
-        ("", "struct fir fir[3];", "valve.h: `struct fir`, the type of `fir`, is not defined here"),
-        ("", '\n#include "fields.inc"\n', "valve.h: `#include double gain` in `struct valve`"),
+        ("", "fir_instance fir;", "valve.h:6: `fir_instance`, the type of `fir`, is not defined here"),
+        ("", "struct fir fir[3];", "valve.h:6: `struct fir`, the type of `fir`, is not defined here"),
+        ("", '\n#include "fields.inc"\n', 'valve.h:7: `#include "fields.inc"` in `struct valve`'),
         ('#include "csp.h"', "", "csp.h, written by hand, has the name of a file of the kernel"),
     ],
     ids=["folder", "type", "struct", "members", "kernel"],

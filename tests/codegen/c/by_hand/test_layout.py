@@ -134,6 +134,48 @@ def test_lengths_are_those_of_c(length: str, count: int) -> None:
     assert Layout({"law.h": f"struct law {{ char text[{length}]; }};"}, {}).size("law") == count
 
 
+@pytest.mark.parametrize(
+    "before",
+    [
+        "#ifdef SMALL\n#define N 2\n#else\n#define N 5\n#endif",
+        "#ifdef LARGE\n#define N (2 + 3)\n#else\n#define N 2\n#endif",
+        "#define N 5\n#undef N\n#define N 2",
+        "#ifndef M\n#define M 3\n#endif\n#define N (M + ONE)\n#define ONE 1\n#undef ONE\n#define ONE 2",
+    ],
+    ids=["other", "first", "earlier", "of others"],
+)
+def test_the_largest_definition_of_a_constant_counts(before: str) -> None:
+    """So that the memory of an instance suffices with each of them."""
+    assert Layout({"law.h": f"{before}\nstruct law {{ char text[N]; }};"}, {}).size("law") == 5
+
+
+def test_the_largest_definition_of_a_type_counts() -> None:
+    types = "#ifdef WIDE\ntypedef double real;\n#else\ntypedef float real;\n#endif\n"
+    macros = "#ifndef WIDE\n#define INT int\n#else\n#define INT int64_t\n#endif\n"
+    assert Layout({"law.h": f"{types}{macros}struct law {{ INT a; real b; }};"}, {}).size("law") == 16
+
+
+@pytest.mark.parametrize(("text", "length"), [("NAME", 5), ('"{;"', 3), ("LONGER", 9)])
+def test_texts_have_a_length(text: str, length: int) -> None:
+    header = f'#define NAME "a{{b*"\n#define LONGER "// {{ \\" "\nstruct law {{ char text[sizeof({text})]; }};'
+    assert Layout({"law.h": header}, {}).size("law") == length
+
+
+def test_messages_have_the_line_of_the_member() -> None:
+    headers = {
+        "law.h": '#include "own.h"\n/* two\nlines */\nstruct law {\n    struct { own b;\n    int c; } d[2];\n};',
+        "own.h": "#pragma once\n\ntypedef struct {\n    int first;\n    missing_t other;\n} own;",
+    }
+    with pytest.raises(TargetError) as refused:
+        Layout(headers, {}).size("law")
+    assert str(refused.value).startswith("own.h:5: `missing_t`, the type of `other`")
+    headers["own.h"] = headers["own.h"].replace("missing_t", "int")
+    headers["law.h"] = headers["law.h"].replace("int c", "int \\\n c[LENGTH]")
+    with pytest.raises(TargetError) as refused:
+        Layout(headers, {}).size("law")
+    assert str(refused.value).startswith("law.h:6: the number of elements of `c[LENGTH]`")
+
+
 def test_macros_hold_behind_their_definition_and_in_headers_that_include_them() -> None:
     headers = {
         "kernel.h": "struct kernel { char level; };",
@@ -148,3 +190,11 @@ def test_macros_hold_behind_their_definition_and_in_headers_that_include_them() 
     }
     layout = Layout(headers, {})
     assert [layout.size(name) for name in ("kernel", "law", "other")] == [1, 16, 2]
+
+
+def test_a_struct_that_may_contain_itself_is_refused() -> None:
+    one, two = "struct a { struct b b; };", "struct b { struct a a; };"
+    other = "struct a { int x; };\nstruct b { int x; };"
+    text = f"#ifdef ONE\n{one}\n#elif defined(TWO)\n{two}\n#else\n{other}\n#endif\nstruct law {{ struct a a; }};"
+    with pytest.raises(TargetError, match="`struct a` may contain itself"):
+        Layout({"law.h": text}, {}).size("law")

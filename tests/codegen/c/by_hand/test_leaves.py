@@ -259,7 +259,7 @@ REFUSED = [
     ),
     ("    csp_process process;\n    csp_ends ends;", "    csp_ends ends;\n    csp_process process;", "begin with"),
     ("    csp_process process;", "    csp_ends process;", "`csp_process process;`"),
-    ("    csp_out output;", "    FIELD(csp_out, output);", "scale.h: `FIELD(csp_out, output)` in `struct scale`"),
+    ("    csp_out output;", "    FIELD(csp_out, output);", "scale.h:9: `FIELD(csp_out, output)` in `struct scale`"),
 ]
 
 

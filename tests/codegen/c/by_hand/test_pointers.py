@@ -111,8 +111,8 @@ MAIN = r"""
 #include <string.h>
 void csp_advance(void) {}
 static union { struct network network; uintptr_t words[sizeof(struct network) / sizeof(uintptr_t)]; } saved, is_pointer;
-/* Marks all words of a part. */
-#define MARK(part) (void)memset(&is_pointer.network.part, 1, sizeof is_pointer.network.part)
+/* Marks all words of a part, which may be constant. */
+#define MARK(part) (void)memset((void *)(uintptr_t)&is_pointer.network.part, 1, sizeof is_pointer.network.part)
 #define COUNT(part) (sizeof is_pointer.network.part / sizeof is_pointer.network.part[0])
 int main(void)
 {

@@ -21,8 +21,10 @@ struct commstime_instance {
     uint32_t checksum; /* of a copy */
 };
 
-/* COMMSTIME_SIZE was computed without a compiler. */
-typedef char commstime_size_suffices[(sizeof(commstime_instance) <= COMMSTIME_SIZE) ? 1 : -1];
+/* COMMSTIME_SIZE was computed without a compiler. No option of one may make a length in a header by
+ * hand larger.
+ */
+typedef char commstime_size_is_too_small[(sizeof(commstime_instance) <= COMMSTIME_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
 static const uint32_t build = UINT32_C(0x00000000);

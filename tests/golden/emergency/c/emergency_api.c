@@ -23,8 +23,10 @@ struct emergency_instance {
     uint32_t checksum; /* of a copy */
 };
 
-/* EMERGENCY_SIZE was computed without a compiler. */
-typedef char emergency_size_suffices[(sizeof(emergency_instance) <= EMERGENCY_SIZE) ? 1 : -1];
+/* EMERGENCY_SIZE was computed without a compiler. No option of one may make a length in a header by
+ * hand larger.
+ */
+typedef char emergency_size_is_too_small[(sizeof(emergency_instance) <= EMERGENCY_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
 static const uint32_t build = UINT32_C(0x00000000);

@@ -214,7 +214,9 @@ void emergency_release(emergency_instance *self);
 void emergency_stop(emergency_instance *self);
 
 /* Copies the state into memory for one instance. The copy has no pointers: it may be kept in a file
- * or in flash. Of memory that has no instance there is nothing to restore.
+ * or in flash. What pointers of structs by hand point to, outside of the instance, is not copied:
+ * it has to be a static object, a function or a text of the program. Of memory that has no instance
+ * there is nothing to restore.
  */
 void emergency_save(const emergency_instance *self, emergency_memory *copy);
 

@@ -249,7 +249,9 @@ void jiwy_release(jiwy_instance *self);
 void jiwy_stop(jiwy_instance *self);
 
 /* Copies the state into memory for one instance. The copy has no pointers: it may be kept in a file
- * or in flash. Of memory that has no instance there is nothing to restore.
+ * or in flash. What pointers of structs by hand point to, outside of the instance, is not copied:
+ * it has to be a static object, a function or a text of the program. Of memory that has no instance
+ * there is nothing to restore.
  */
 void jiwy_save(const jiwy_instance *self, jiwy_memory *copy);
 

@@ -23,8 +23,10 @@ struct jiwy_instance {
     uint32_t checksum; /* of a copy */
 };
 
-/* JIWY_SIZE was computed without a compiler. */
-typedef char jiwy_size_suffices[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
+/* JIWY_SIZE was computed without a compiler. No option of one may make a length in a header by hand
+ * larger.
+ */
+typedef char jiwy_size_is_too_small[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
 
 /* Identifies the program and its kernel. */
 static const uint32_t build = UINT32_C(0x00000000);
