@@ -94,9 +94,10 @@ class _Reader(Words):
         try:
             readings, places = self.readings(self._definition, types_alike)
         except UnknownSyntaxError:
-            name = _LAST_NAME.search(text_of(reversed(before))) if before[-1].text == "typedef" else None
+            text = text_of(before[::-1])
+            name = _LAST_NAME.search(text) if before[-1].text == "typedef" else None
             # Other definitions of the name do not say what it is.
-            return {name[1]: NotUnderstood(name[0].removesuffix(";"), line)} if name else {}
+            return {name[1]: NotUnderstood(text.partition("{")[0].strip("; "), line)} if name else {}
         place = place or (self.macros.at(self.condition) if self.condition else "")
         return {
             key: either([one[key] for one in readings if key in one], place or places.get((key, 0), ""))

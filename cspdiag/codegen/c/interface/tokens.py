@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from math import inf
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.interface.directives import CONDITIONS, MARK, Directive, Macros
@@ -57,13 +57,15 @@ _ANY = ("", "int")
 
 
 @record
-class _Reading:
-    """What a part of a declaration is, None if it is none, and what is left behind it. ``supposed``: the macros of
-    which another definition was supposed.
+class _Reading(Generic[Read]):
+    """What a part of a declaration is, None if it is none. ``left``, ``conditions`` and ``condition`` are those behind
+    it; ``supposed``: the macros of which another definition was supposed.
     """
 
-    result: object
+    result: Read | None
     left: list[Token]
+    conditions: list[int]
+    condition: int
     supposed: frozenset[str]
 
 
@@ -169,8 +171,8 @@ class Words:
     def readings(
         self, read: Callable[[float], Read], alike: Callable[[Read], Mapping[Key, object]]
     ) -> tuple[Sequence[Read], Mapping[Key, str]]:
-        """What the next words may declare, in each way to expand macros; and, of each name for which these
-        are not ``alike``, where such a macro is defined.
+        """What the next words may declare, in each way to expand macros; and, of each name for which these are not
+        ``alike``, where such a macro is defined.
 
         ``read`` reads the least that it can, and more while more words than the number that it is given are left: all
         ways end at the same word.
@@ -187,18 +189,14 @@ class Words:
             if least >= until:
                 raise UnknownSyntaxError
             until = least
-        self.left = certain[0].left
-        results: list[Read] = [one.result for one in certain]  # type: ignore[misc]
+        self.left, self.conditions, self.condition = certain[0].left, certain[0].conditions, certain[0].condition
+        results = [one.result for one in certain if one.result is not None]
         shapes = [alike(result) for result in results]
-        supposed = {
-            name: [
-                alike(one.result)  # type: ignore[arg-type]
-                for one in found
-                if name in one.supposed and one.result is not None and len(one.left) == least
-            ]
-            for name in names
-            if any(name in one.supposed for one in found)
-        }
+        supposed: dict[str, list[Mapping[Key, object]]] = {name: [] for one in found for name in one.supposed}
+        for one in found:
+            if one.result is not None and len(one.left) == least:
+                for name in one.supposed:
+                    supposed[name].append(alike(one.result))
         place = next((self.macros.place_of(name) for name in names), "")
         return results, {
             key: place
@@ -209,10 +207,10 @@ class Words:
 
     def _all_readings(
         self, read: Callable[[float], Read], until: float, before: Sequence[Token]
-    ) -> tuple[Sequence[_Reading], Iterable[str]]:
+    ) -> tuple[Sequence[_Reading[Read]], Iterable[str]]:
         """Each way to read the words that were left ``before``, and the macros that have several meanings."""
         outer, conditions = self._choices, self.conditions
-        found: list[_Reading] = []
+        found: list[_Reading[Read]] = []
         names: dict[str, None] = {}
         pending = [dict(outer)]
         while pending:
@@ -231,7 +229,7 @@ class Words:
                 pending += [{**first, name: number} for number in range(1, len(self._texts(name)[0]))]
         return found, names
 
-    def _reading(self, read: Callable[[float], Read], until: float, outer: Mapping[str, int]) -> _Reading:
+    def _reading(self, read: Callable[[float], Read], until: float, outer: Mapping[str, int]) -> _Reading[Read]:
         result: Read | None = None
         with suppress(UnknownSyntaxError):
             result = read(until)
@@ -239,4 +237,4 @@ class Words:
         supposed = frozenset(name for name, number in own if number >= self._texts(name)[1])
         if result is None and not supposed:
             raise UnknownSyntaxError
-        return _Reading(result, self.left, supposed)
+        return _Reading(result, self.left, self.conditions, self.condition, supposed)

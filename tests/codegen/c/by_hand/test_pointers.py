@@ -11,6 +11,7 @@ import pytest
 from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.interface.pointers import pointer_files
 from tests.c_kernel.building import STRICT, need
+from tests.codegen.c.by_hand.random_structs import Structs
 
 SUPPORT = Path(__file__).parents[4] / "templates" / "c" / "support"
 
@@ -102,6 +103,14 @@ def test_pointers_are_where_compilers_have_them(compiler: str, option: str, tmp_
     visited(tmp_path, HEADER, POINTERS, compiler, option, "-fsanitize=address,undefined", "-o", "visits")
     done = subprocess.run([tmp_path / "visits"], capture_output=True, text=True, check=False, timeout=10)
     assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_pointers_of_random_structs_are_where_a_compiler_has_them(tmp_path: Path) -> None:
+    need("gcc")
+    structs = Structs(20, 60)
+    visited(tmp_path, structs.header, structs.paths, "gcc", "-O0", "-o", "visits")
+    assert subprocess.run([tmp_path / "visits"], capture_output=True, check=True, timeout=10).stdout == b""
+    assert len(structs.paths) > 150
 
 
 MAIN = r"""
