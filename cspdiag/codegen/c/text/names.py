@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 
-from cspdiag.codegen.c.text.reserved import is_reserved
+from cspdiag.codegen.c.text.reserved import is_header, is_reserved
 from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, stem, with_underscores, words
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import Network, SubmodelClass
@@ -61,11 +61,16 @@ _TARGETS = words(
 """Targets that CMake predefines."""
 
 
+PUBLIC_HEADERS = ("api", "types")
+"""What the names of the headers of a package end with that users include; they begin with its name."""
+
+
 def library_name(package: str) -> str:
     """The name of the library of a package, without ``lib`` and ``.a``, with which its names begin."""
     if _is_of_kernel(package):
         return f"x{package}"
-    return f"{package}_" if package in _LIBRARIES | _TARGETS else package
+    hides_header = any(is_header(f"{package}_{part}") for part in PUBLIC_HEADERS)
+    return f"{package}_" if hides_header or package in _LIBRARIES | _TARGETS else package
 
 
 class Names(GivenNames):
@@ -73,16 +78,6 @@ class Names(GivenNames):
 
     _identifier = staticmethod(identifier)
 
-
-HEADERS = words(
-    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic "
-    "stdbool stddef stdint stdio "
-    "stdlib stdnoreturn string tgmath threads time uchar wchar wctype dirent fcntl poll pthread sched semaphore "
-    "strings termios unistd"
-)
-"""Headers of C and POSIX: the folder of the package is searched first, so a generated header of the same name would
-hide the standard one.
-"""
 
 FILES = (
     "types",
@@ -177,7 +172,7 @@ class PackageNames(Package):
             *(f"{self.prefix}_{part}" for part in (*_INTERFACE, *sorted(of_parameters))),
             *(f"{self.prefix}_{part}".upper() for part in _INTERFACE_CONSTANTS),
         )
-        self._names = Names((*FILES, *HEADERS, *_NETWORK_NAMES, *interface))
+        self._names = Names((*FILES, *_NETWORK_NAMES, *interface))
         self.types: Mapping[str, str] = {
             name: self.public(with_underscores(name))
             for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
@@ -248,7 +243,11 @@ class PackageNames(Package):
                 return found
 
     def _fresh(self, name: str) -> str:
-        return self._names.fresh(stem(snake_case(name)))
+        """A new name of files: the folder of the package is searched first, so a header that is called like one of
+        the C library would hide it, also from the library itself.
+        """
+        wanted = stem(snake_case(name))
+        return self._names.fresh(f"{wanted}_2" if is_header(wanted) else wanted)
 
 
 def _variables(network: Network) -> Iterator[str]:

@@ -50,6 +50,33 @@ _LIBRARY = words(
 )
 """Names of the library of C and of POSIX that are built into compilers, or that headers declare."""
 
+_HEADERS = words(
+    """
+    aio aliases alloca ar argp argz assert byteswap complex cpio crypt ctype cxxabi devctl dirent dlfcn elf endian
+    envlock envz err errno error execinfo fastmath fcntl features fenv float fmtmsg fnmatch fpu_control fstab fts
+    ftw gconv getopt glob grp gshadow iconv ieee754 ieeefp ifaddrs inttypes iso646 langinfo lastlog libgen libintl
+    limits link locale malloc math mcheck memory mntent monetary mqueue ndbm netdb newlib nl_types nss obstack paths
+    picolibc picotls poll printf proc_service pthread pty pwd re_comp reent regdef regex regexp resolv sched search
+    semaphore semihost setjmp sgtty shadow signal spawn stab stdalign stdarg stdatomic stdbit stdbool stdckdint
+    stddef stdint stdio stdio_ext stdlib stdnoreturn string strings stropts syscall sysexits syslog tar termio
+    termios tgmath thread_db threads time ttyent uchar ucontext ulimit unctrl unistd utime utmp utmpx values wait
+    wchar wctype wordexp
+
+    acc_prof altivec arm64intr arm_acle arm_bf16 arm_cde arm_cmse arm_fp16 arm_mve arm_mve_types arm_neon arm_sve
+    armintr backtrace builtins cet cpuid gcov hexagon_protos hexagon_types hvx_hexagon_protos mm3dnow mm_malloc msa
+    omp openacc quadmath quadmath_weak riscv_vector stdfix syslimits unwind vadefs varargs wasm_simd128
+
+    freertos task tasks queue list timers semphr croutine event_groups stream_buffer message_buffer portable
+    portmacro projdefs stack_macros mpu_wrappers mpu_prototypes deprecated_definitions atomic sdkconfig arduino
+    """
+)
+"""Headers that are included without a folder: those of glibc, newlib, picolibc and musl, those of the folders of gcc
+and clang, and those of FreeRTOS and of Arduino and ESP-IDF, all in lower case.
+"""
+
+_HEADERS_OF_PROCESSORS = re.compile(r"\w*intrin(sics)?")
+"""The names of headers that declare the instructions of a processor, of which each compiler has many."""
+
 _PATTERN = re.compile(
     r"""
     u?int(_fast|_least)?\d+_t | u?int(max|ptr)_t
@@ -71,3 +98,11 @@ def is_reserved(name: str) -> bool:
         name in _KEYWORDS or name in _LIBRARY or name in MATHEMATICS or (name[:-1] in MATHEMATICS and name[-1] in "fl")
         or _PATTERN.fullmatch(name) is not None
     )  # fmt: skip
+
+
+def is_header(name: str) -> bool:
+    """Whether C libraries, compilers or common systems have a header of this name (without `.h`), in capitals or not:
+    not all file systems tell these apart.
+    """
+    lower = name.lower()
+    return lower in _HEADERS or _HEADERS_OF_PROCESSORS.fullmatch(lower) is not None
