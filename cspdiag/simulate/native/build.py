@@ -21,6 +21,7 @@ from cspdiag.base.files.caches import cache_folder
 from cspdiag.base.parent import RunningCommands
 from cspdiag.base.record import record
 from cspdiag.codegen.c.package.includes import with_headers
+from cspdiag.codegen.c.package.messages import explained
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")
 """Options that are always used: the values of a program are defined to the last bit."""
@@ -30,8 +31,6 @@ _BUILDING = "building-"
 """The prefix of folders in which a build works."""
 _LONGEST_BUILD = 3600.0
 """Seconds after which such a folder is considered abandoned."""
-_PLACE = re.compile(r"/\*(?:.*\()?\s*([^*()]+\.csp:\d+)\)?")
-
 _OVERFLOW = re.compile(r"region `(\w+)' overflowed by (\d+) bytes")
 """What the linker of GNU says of each memory of a board that is too small."""
 _SMALLER = (
@@ -296,31 +295,9 @@ class Build:
             if too_large := {memory: int(size) for memory, size in _OVERFLOW.findall(messages)}:
                 missing = " and ".join(f"{size:,} bytes of {memory}" for memory, size in too_large.items())
                 raise CompilerError(f"the program is too large for the board: it needs {missing} more\n  {_SMALLER}")
-            raise CompilerError(f"{command[0]} failed:\n{explained(messages, self.files, scratch)}")
-
-
-def explained(messages: str, files: Mapping[str, str], scratch: Path | None) -> str:
-    """The messages of a compiler, with paths of the package, and each place in generated code followed by the place in
-    the program.
-    """
-    text = messages if scratch is None else messages.replace(f"{scratch}{os.sep}", "")
-    rows = []
-    for row in text.splitlines():
-        found = re.match(r"([^\s:]+):(\d+):", row)
-        place = _source_place(files.get(found[1], ""), int(found[2])) if found else None
-        rows.append(f"{row} [{place}]" if place is not None else row)
-    return "\n".join(rows)
-
-
-def _source_place(text: str, line: int) -> str | None:
-    """The source place from the comment on the line, or from the nearest line above that has one."""
-    for row in reversed(text.split("\n")[:line]):
-        found = _PLACE.search(row)
-        if found is not None:
-            return found[1]
-        if row == "}":
-            return None
-    return None
+            if scratch is not None:
+                messages = messages.replace(f"{scratch}{os.sep}", "")
+            raise CompilerError(f"{command[0]} failed:\n{explained(messages, self.files)}")
 
 
 def _hash(parts: Iterable[str]) -> str:

@@ -23,11 +23,12 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
+from cspdiag.codegen.c.package.messages import explained
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.network import Network
 from cspdiag.runtime.kernel.exceptions import described
 from cspdiag.simulate.native import run as native
-from cspdiag.simulate.native.build import Build, CompilationTimeoutError, CompilerError, explained, find_compiler
+from cspdiag.simulate.native.build import Build, CompilationTimeoutError, CompilerError, find_compiler
 from cspdiag.simulate.native.rows import PassedRows
 from cspdiag.simulate.native.stream import StreamReader
 from cspdiag.simulate.record.recorder import Recorder
@@ -269,7 +270,18 @@ def test_messages_of_a_compiler_name_places_in_the_program(monkeypatch: pytest.M
     monkeypatch.setenv("CC", compiler_that(tmp_path, script))
     with pytest.raises(CompilerError, match=r"law\.c:2:5: error: no b \[laws\.csp:3\]"):
         Build(files, ["law.c"], folder=tmp_path / "cache").executable()
-    assert explained("other.c:1:1: error", files, None) == "other.c:1:1: error"
+    assert explained("other.c:1:1: error", files) == "other.c:1:1: error"
+
+
+def test_of_many_messages_of_a_compiler_the_first_error_is_shown() -> None:
+    """What the kernel gives as an example of a place is none."""
+    files = {"csp_core.h": 'struct csp_process {\n    const char *where; /* where it is defined: "laws.csp:12" */\n'}
+    before = ["a.c:1:1: warning: w"] * 30
+    first = ["In file included from tank.h:4,", "                 from tank.c:3:", "csp_core.h:2:5: error: no type"]
+    shown = explained("\n".join([*before, *first, *["b.c:9:9: error: e"] * 1000]), files).split("\n")
+    assert shown[:3] == first
+    assert shown[-1] == "(these are 20 of 1,033 lines)"
+    assert len(shown) == 21
 
 
 def test_a_compiler_that_computes_too_long_is_stopped(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
