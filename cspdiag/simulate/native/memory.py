@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from cspdiag.base.files.json_text import read_json
 from cspdiag.base.record import record
+from cspdiag.codegen.c.package.layouts import OWNERS
 from cspdiag.codegen.c.package.linkage import NAMES, NO_NAMES
 from cspdiag.codegen.c.package.sizes import PREFIX, SizeMeasurement, Sizes
 from cspdiag.network.ir.network import CoreNetwork
@@ -41,14 +42,15 @@ class FileFacts:
 
 @record
 class MemoryReport:
-    """The bytes of a program: ``data`` for all its state, ``stack`` for the deepest stack.
+    """The bytes of a program: ``outside`` for variables besides the memory of an instance, ``stack`` for the deepest
+    stack.
 
     ``exact`` says whether the calls of all functions were known, so the stack is a bound and not an estimate.
     """
 
     compiler: str
     sizes: Sizes
-    data: int
+    outside: int
     stack: int
     exact: bool
     frames: tuple[tuple[str, int], ...]
@@ -56,28 +58,33 @@ class MemoryReport:
 
     @property
     def text(self) -> str:
-        """The report as lines of text."""
+        """The report as lines of text: what an instance has, the memory for it, and what there is besides."""
         rows = [f"memory, as {self.compiler} lays it out:"]
         entries: list[tuple[str, int, int]] = []
         for item in self.sizes.classes:
             entries.append((f"{item.kind} {item.name}", item.count, item.bytes))
         frames = [f"frame of {name}" for name, _ in self.frames]
-        widths = [len(name) for name, _, _ in entries] + [len(name) - 17 for name in frames]
+        sizes = self.sizes
+        parts = sum(count * size for _, count, size in entries) + sizes.channel_bytes
+        rest, memory = f"unused of {sizes.memory_name}", f"instance, {sizes.memory_name}"
+        widths = [len(name) for name, _, _ in entries] + [len(name) - 17 for name in frames] + [len(rest) - 19]
         name_width = max(*widths, len("channels"))
+
+        def row(name: str, size: int) -> str:
+            return f"  {name:<{name_width + 19}} {_bytes(size):>11}"
+
         for name, count, size in entries:
             rows.append(f"  {name:<{name_width}} {count:>7} x {size:>6} = {_bytes(count * size):>11}")
-        rows.append(
-            f"  {'channels':<{name_width}} {self.sizes.channels:>7}          = {_bytes(self.sizes.channel_bytes):>11}"
-        )
-        parts = sum(count * size for _, count, size in entries) + self.sizes.channel_bytes
-        rows.append(f"  {'ports and kernel':<{name_width + 19}} {_bytes(max(self.data - parts, 0)):>11}")
-        bound = "stack, at most" if self.exact else "stack, about"
-        rows.append(f"  {bound:<{name_width + 19}} {_bytes(self.stack):>11}")
+        rows.append(f"  {'channels':<{name_width}} {sizes.channels:>7}          = {_bytes(sizes.channel_bytes):>11}")
+        rows.append(row("ports, kernel and hooks", max(sizes.instance - parts, 0)))
+        rows += [row(rest, sizes.memory - sizes.instance), row(memory, sizes.memory)]
+        rows += [row("variables outside of it", self.outside)] if self.outside else []
+        rows.append(row("stack, at most" if self.exact else "stack, about", self.stack))
         rows += [
             f"    {frame:<{name_width + 17}} {_bytes(size):>11}"
             for frame, (_, size) in zip(frames, self.frames, strict=True)
         ]
-        rows.append(f"  {'total':<{name_width + 19}} {_bytes(self.data + self.stack):>11}")
+        rows.append(row("total", sizes.memory + self.outside + self.stack))
         return "\n".join(rows)
 
 
@@ -88,18 +95,24 @@ def _bytes(count: int) -> str:
 def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) -> MemoryReport:
     """Compile a generated package to measure it. Raises CompilerError."""
     measurement = SizeMeasurement(network, level)
-    complete = {**files, NAMES: NO_NAMES, _PROBE: measurement.source()}
+    names = next(
+        (path for path in files if path.endswith(f"/{NAMES.rpartition('/')[2]}")), NAMES
+    )  # A framework has it elsewhere.
+    complete = {**files, names: NO_NAMES, _PROBE: measurement.source()}
     sources = [path for path in complete if path.endswith(".c") and not _is_of_simulation(path)]
     build = Build(complete, sources, ("-O2", "-DCSP_TRACE=0"))
     with ThreadPoolExecutor() as pool:
         facts = dict(zip(sources, pool.map(lambda path: _facts(build, path), sources), strict=True))
     probed = facts.pop(_PROBE).variables
-    sizes = measurement.sizes({name.removeprefix(PREFIX): size for name, size in probed.items()})
+    sizes = measurement.sizes(
+        {name.removeprefix(PREFIX): size for name, size in probed.items() if name.startswith(PREFIX)}
+    )
     functions = {name: function for file in facts.values() for name, function in file.functions.items()}
     exact = all(function.calls is not None for function in functions.values())
     stack = deepest(functions) if exact else _estimated(functions)
-    data = sizes.whole + sum(size for file in facts.values() for size in file.variables.values())
-    return MemoryReport(build.compiler.version, sizes, data, stack, exact, _largest_frames(functions))
+    instantiated = [file for path, file in facts.items() if not path.endswith(OWNERS)]
+    outside = sum(size for file in instantiated for size in file.variables.values())
+    return MemoryReport(build.compiler.version, sizes, outside, stack, exact, _largest_frames(functions))
 
 
 def _is_of_simulation(path: str) -> bool:

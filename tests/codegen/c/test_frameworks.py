@@ -16,7 +16,8 @@ from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.cli.main import main
 from cspdiag.codegen.options import FRAMEWORKS
-from tests.codegen.c.test_package import MODELS, network_of, written
+from cspdiag.simulate.native.memory import report_or_reason
+from tests.codegen.c.test_package import MODELS, needs_compiler, network_of, written
 from tests.support.compiling import compile_once
 
 JIWY = str(MODELS / "jiwy" / "jiwy.csp")
@@ -185,3 +186,15 @@ def test_frameworks_are_for_c_only(tmp_path: Path, capsys: pytest.CaptureFixture
     assert "--framework zephyr needs --target c" in capsys.readouterr().err
     assert main(["compile", JIWY, "--target", "c", "--framework", "zephyr", "-o", str(tmp_path)]) == 0
     assert (tmp_path / "jiwy" / "zephyr" / "module.yml").is_file()
+
+
+@needs_compiler
+def test_a_library_without_types_of_its_own_takes_the_memory_of_the_package() -> None:
+    tank = str(MODELS.parent / "examples" / "c" / "superloop" / "tank.csp")
+    network = pipeline.build(read_source(tank), read_source).network
+    assert network is not None
+    usual, library = (pipeline.generate(network, read_source, "c", framework=name) for name in ("", "zephyr"))
+    assert "src/tank/types.h" not in library
+    report = report_or_reason(network, library, 0)
+    assert "instance, TANK_SIZE" in report
+    assert report == report_or_reason(network, usual, 0)

@@ -37,12 +37,17 @@ class ClassSize:
 
 @record
 class Sizes:
-    """Classes of processes and control laws, the bytes and the number of channels, and the bytes of all state."""
+    """Classes of processes and control laws, the bytes and the number of channels; the bytes of an instance, which has
+    all state, ports and hooks, and of the memory that its user gives.
+    """
 
     classes: tuple[ClassSize, ...]
     channels: int
     channel_bytes: int
-    whole: int
+    instance: int
+    memory: int
+    memory_name: str
+    """The macro with the bytes of the memory."""
 
 
 class SizeMeasurement:
@@ -54,16 +59,23 @@ class SizeMeasurement:
         self._types = CTypes(self._names)
 
     def source(self) -> str:
-        """The C file, with an array for each type to be measured."""
+        """The C file, with an array for each type to be measured. Only the source of the interface, which it includes,
+        defines an instance.
+        """
         names = sorted({self._names.classes[entry.name] for entry in self._network.classes})
-        rows = ['#include "csp.h"', '#include "network.h"', '#include "types.h"']
+        rows = [f'#include "{self._names.prefix}_api.c"', '#include "csp.h"']
         rows += [*(f'#include "{name}.h"' for name in names), ""]
         rows += [f"char {PREFIX}class_{name}[sizeof(struct {name})];" for name in names]
         rows += [f"char {PREFIX}channel_{access}[sizeof({struct})];" for access, struct in _CHANNELS.items()]
         kinds = {self._types.type_name(item.type): self._types.suffix(item.type) for item in self._buffers()}
         rows += [f"char {PREFIX}value_{suffix}[sizeof({kind})];" for kind, suffix in sorted(kinds.items())]
-        rows += [f"char {PREFIX}network[sizeof(struct network)];"]
+        rows += [f"char {PREFIX}instance[sizeof(struct {self._names.prefix}_instance)];"]
+        rows += [f"char {PREFIX}memory[{self._memory_name}];"]
         return "\n".join([*rows, ""])
+
+    @property
+    def _memory_name(self) -> str:
+        return f"{self._names.prefix}_SIZE".upper()
 
     def _buffers(self) -> list[LocalChannel]:
         classes = [entry for entry in self._network.classes if isinstance(entry, ProcessClass)]
@@ -86,7 +98,7 @@ class SizeMeasurement:
             channel_bytes += count * own
             kind = "process" if isinstance(entry, ProcessClass) else "law"
             found.append(ClassSize(kind, entry.definition, count, max(whole - inside - own, 0)))
-        return Sizes(tuple(found), channels, channel_bytes, sizes["network"])
+        return Sizes(tuple(found), channels, channel_bytes, sizes["instance"], sizes["memory"], self._memory_name)
 
     def _inside(self, entry: ProcessClass | SubmodelClass, sizes: Mapping[str, int]) -> int:
         if not isinstance(entry, ProcessClass):
