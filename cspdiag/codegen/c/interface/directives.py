@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from cspdiag.base.record import EMPTY, record, replaced
 
-_COMMENT = re.compile(r"\"(?:\\.|[^\"\\\n])*\"|'\\?[^\n]'|/\*.*?\*/|//[^\n]*", re.DOTALL)
+_COMMENT = re.compile(r"\"(?:\\.|[^\"\\\n])*\"|'\\?[^\n]'|/\*.*?\*/|//(?:\\\n|[^\n])*", re.DOTALL)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(\w*)((?:\\\n|[^\n])*)$", re.MULTILINE)
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"\n]+)"', re.MULTILINE)
 _GUARD = re.compile(r"^[ \t]*#[ \t]*(?:ifndef|if[ \t]*!|pragma[ \t]+once)", re.MULTILINE)
@@ -27,7 +27,16 @@ _MARKED = CONDITIONS | {"endif", "include"}
 
 def without_comments(text: str) -> str:
     """The text of a header without its comments, each line where it was."""
-    return _COMMENT.sub(lambda found: found[0] if found[0][0] in "\"'" else " " + "\n" * found[0].count("\n"), text)
+    return _COMMENT.sub(_without_comment, text)
+
+
+def _without_comment(found: re.Match[str]) -> str:
+    """What is left of a comment, or of a text in which one may seem to be; a directive does not end inside of one."""
+    if found[0][0] != "/":
+        return found[0]
+    lines = found[0].count("\n")
+    before = found.string[found.string.rfind("\n", 0, found.start()) + 1 : found.start()]
+    return " " + ("\\\n" if before.lstrip().startswith("#") else "\n") * lines
 
 
 @lru_cache(maxsize=512)

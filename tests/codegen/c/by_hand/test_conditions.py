@@ -109,6 +109,8 @@ ACCEPTED = {
     "in C++": ('#ifdef __cplusplus\nextern "C" {\n#endif\ntypedef int *p;', "p q;", 1),
     "undefined": ("#define T int\n#undef T\n#define T int *", "T p;", 1),
     "the same": ("#define T int *\n#define T int *\ntypedef T t;\ntypedef int *t;", "T p; t q;", 2),
+    "a comment in a macro": ("#define STAR /* a\ncomment */ *", "int STAR p;", 1),
+    "a continued comment": ("// int *p; \\\ntypedef int *t;\ntypedef double t;", "t a;", 0),
     "continued": ("", "int \\\n *p;", 1),
     "text": ('#define NAME "a{b*; // \\""', "char name[sizeof(NAME)]; int *q;", 1),
     "macro of a member": ("", "struct { int *low; } parts;\n#define low_ parts.low\nint low;", 1),
