@@ -12,6 +12,7 @@ from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.laws.by_hand import FILE as TYPES_BY_HAND
 from cspdiag.codegen.c.laws.by_hand import checks_file, refuse_missing_members
 from cspdiag.codegen.c.laws.external import device_files, external_files
+from cspdiag.codegen.c.laws.files_by_hand import headers_of_definitions, refuse_taken_names
 from cspdiag.codegen.c.laws.fmus import fmu_files
 from cspdiag.codegen.c.laws.laws import law_files
 from cspdiag.codegen.c.network.environments import environment_files
@@ -190,6 +191,8 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
             kind = "process" if isinstance(class_, ProcessClass) else "control law"
             rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
         files.update(law)
+    support = support_files()
+    refuse_taken_names(lowered, simulated, names, modules, support)
     devices = device_files(simulated, modules)
     by_hand = {**external_files(network, modules), **devices}
     by_hand_layout = Layout({path: text for path, text in by_hand.items() if path.endswith(".h")}, {})
@@ -197,6 +200,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         if isinstance(class_, ProcessClass) and class_.external is not None:
             require_first_member(class_, by_hand_layout, names)
     refuse_missing_members(lowered, simulated, by_hand_layout, names, types)
+    files.update(headers_of_definitions(lowered, simulated, by_hand))
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))
@@ -216,9 +220,6 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     files[f"{names.prefix}_types.h"] = plain_types_header(lowered, names.prefix, types)
     program_text = "\n".join(text for path, text in files.items() if path.endswith((".c", ".h")))
     files["types.h"] = types_header(lowered, names, types, f"{names.prefix}_types.h", program_text)
-    support = support_files()
-    for path in by_hand.keys() & support.keys():
-        raise TargetError(f"{path}, written by hand, has the name of a file of the kernel: rename it")
     fixed = (*by_hand, f"{names.prefix}_types.h")
     files = Includes(files, support, _headers(files, support, names), fixed).reduced()
     texts = {**support, **files}
@@ -259,7 +260,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     files["README.md"] = render("README.md.j2", project=project)
     for path, text in by_hand.items():
         if files[path] is not text:
-            raise TargetError(f"{path}, written by hand, has the name of a generated file: rename it")
+            raise TargetError(f"{path}, written by hand, has the name of a generated file\n  help: rename it")
     sources = [text for path, text in files.items() if path.endswith(".c")]
     program = [text for path, text in files.items() if path.endswith((".c", ".h"))]
     for path in files.keys() - by_hand.keys():

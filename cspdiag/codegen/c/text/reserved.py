@@ -50,7 +50,7 @@ _LIBRARY = words(
 )
 """Names of the library of C and of POSIX that are built into compilers, or that headers declare."""
 
-_HEADERS = words(
+_HEADERS_OF_C = words(
     """
     aio aliases alloca ar argp argz assert byteswap complex cpio crypt ctype cxxabi devctl dirent dlfcn elf endian
     envlock envz err errno error execinfo fastmath fcntl features fenv float fmtmsg fnmatch fpu_control fstab fts
@@ -65,14 +65,19 @@ _HEADERS = words(
     acc_prof altivec arm64intr arm_acle arm_bf16 arm_cde arm_cmse arm_fp16 arm_mve arm_mve_types arm_neon arm_sve
     armintr backtrace builtins cet cpuid gcov hexagon_protos hexagon_types hvx_hexagon_protos mm3dnow mm_malloc msa
     omp openacc quadmath quadmath_weak riscv_vector stdfix syslimits unwind vadefs varargs wasm_simd128
+    """
+)
+"""Headers that are included without a folder: those of glibc, newlib, picolibc and musl, and those of the folders of
+gcc and clang, all in lower case.
+"""
 
+_HEADERS_OF_SYSTEMS = words(
+    """
     freertos task tasks queue list timers semphr croutine event_groups stream_buffer message_buffer portable
     portmacro projdefs stack_macros mpu_wrappers mpu_prototypes deprecated_definitions atomic sdkconfig arduino
     """
 )
-"""Headers that are included without a folder: those of glibc, newlib, picolibc and musl, those of the folders of gcc
-and clang, and those of FreeRTOS and of Arduino and ESP-IDF, all in lower case.
-"""
+"""The same of FreeRTOS, ESP-IDF and Arduino, where programs run."""
 
 _HEADERS_OF_PROCESSORS = re.compile(r"\w*intrin(sics)?")
 """The names of headers that declare the instructions of a processor, of which each compiler has many."""
@@ -104,5 +109,10 @@ def is_header(name: str) -> bool:
     """Whether C libraries, compilers or common systems have a header of this name (without `.h`), in capitals or not:
     not all file systems tell these apart.
     """
+    return is_header_of_c(name) or name.lower() in _HEADERS_OF_SYSTEMS
+
+
+def is_header_of_c(name: str) -> bool:
+    """The same of C libraries and compilers, which include them themselves."""
     lower = name.lower()
-    return lower in _HEADERS or _HEADERS_OF_PROCESSORS.fullmatch(lower) is not None
+    return lower in _HEADERS_OF_C or _HEADERS_OF_PROCESSORS.fullmatch(lower) is not None

@@ -1,0 +1,97 @@
+"""The names of files by hand: those that are taken are refused, all others compile."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.base.sources import read_source
+from cspdiag.codegen.shared.target_error import TargetError
+from tests.codegen.c.test_package import needs_compiler, written
+
+PROGRAM = """
+submodel LAW(gain: double) c "FILE.c" {
+  in  level   : double
+  out opening : double
+}
+process Tank {
+  in  level : double @ 10 ms
+  out opening : double @ 10 ms
+  communication {
+    law : LAW(gain = 2)
+    level -> law.level
+    law.opening -> opening
+  }
+  composition { mu law }
+}
+"""
+HEADER = """#pragma once
+BESIDE
+struct STRUCT { double level; double opening; double gain; };
+void STRUCT_initialize(struct STRUCT *self, double gain);
+void STRUCT_reset(struct STRUCT *self);
+void STRUCT_calculate(struct STRUCT *self);
+"""
+
+
+def package(folder: Path, law: str, file: str, beside: str = "") -> dict[str, str]:
+    """The package of a program with a law, whose header may include one beside it."""
+    (folder / "tank.csp").write_text(PROGRAM.replace("LAW", law).replace("FILE", file))
+    struct = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", law).lower()
+    include = f'#include "{beside}"' if beside else ""
+    (folder / f"{file}.h").write_text(HEADER.replace("STRUCT", struct).replace("BESIDE", include))
+    (folder / f"{file}.c").write_text(f'#include "{file}.h"\n')
+    if beside:
+        (folder / beside).write_text("#pragma once\n")
+    network = pipeline.build(read_source(str(folder / "tank.csp")), read_source).network
+    assert network is not None
+    return pipeline.generate(network, read_source, "c")
+
+
+@pytest.mark.parametrize(
+    ("law", "file", "beside", "reason"),
+    [
+        ("Network", "network", "", "network.c, written by hand, has the name of a generated file"),
+        ("Types", "types", "", "types.h, written by hand, has the name of a generated file"),
+        ("TankApi", "tank_api", "", "tank_api.c, written by hand, has the name of a generated file"),
+        ("Law", "law", "Tank.h", "Tank.h, written by hand, has the name of a generated file"),
+        ("Law", "law", "csp_core.h", "csp_core.h, written by hand, has the name of a file of the kernel"),
+        ("Math", "math", "", "math.h, written by hand, has the name of a header of C"),
+        ("Law", "law", "features.h", "features.h, written by hand, has the name of a header of C"),
+        ("Network", "law", "", "network.h, in which the struct of `Network` is looked for, has the name of a gen"),
+        (
+            "Features",
+            "law",
+            "",
+            "features.h, in which the struct of `Features` is looked for, has the name of a header",
+        ),
+        (
+            "Law",
+            "Law",
+            "",
+            "law.h, in which the struct of `Law` is looked for, has the name of Law.h, but for capitals",
+        ),
+    ],
+)
+def test_names_that_are_taken_are_refused_where_the_program_has_them(
+    law: str, file: str, beside: str, reason: str, tmp_path: Path
+) -> None:
+    with pytest.raises(TargetError) as refused:
+        package(tmp_path, law, file, beside)
+    assert f"tank.csp:2: {reason}" in str(refused.value)
+    assert "\n  help: rename " in str(refused.value)
+
+
+@needs_compiler
+@pytest.mark.parametrize(("law", "file"), [("Law", "control"), ("Port", "port"), ("Queue", "queue")])
+def test_other_names_are_free(law: str, file: str, tmp_path: Path) -> None:
+    files = package(tmp_path, law, file)
+    folder = written(files, tmp_path / "package")
+    sources = [path for path in files if path.endswith(".c") and "/" not in path and not path.startswith("main")]
+    command = ["cc", "-std=c99", "-fsyntax-only", "-I.", "-Isupport", *sources]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.stderr == ""
