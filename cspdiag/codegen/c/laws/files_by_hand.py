@@ -38,7 +38,7 @@ def refuse_taken_names(
     kernel: Collection[str],
 ) -> None:
     """Raises TargetError for each file by hand, and each definition, that needs the name of a generated file, of one of
-    the ``kernel``, or of a header of C, which it would hide. Not all file systems tell capitals apart.
+    the ``kernel``, or of a header of C, which it would hide. Some file systems ignore capitals.
     """
     taken = {name.lower(): "the name of a generated file" for name in _generated(network, names)}
     taken |= {name.lower(): "the name of a file of the kernel" for name in kernel}
@@ -53,7 +53,7 @@ def refuse_taken_names(
                 found[f"{item.body.span}: {name}, written by hand, has {reason}\n  help: rename it{others}"] = None
         needed = f"{item.file}.h"
         if item.file and needed not in given:
-            what = f"{item.body.span}: {needed}, in which the struct of `{item.name}` is looked for, has"
+            what = f"{item.body.span}: {needed}, which has the struct of `{item.name}`, has"
             if reason := _reason(needed, taken):
                 found[f"{what} {reason}\n  help: rename `{item.name}`"] = None
             for name in given:

@@ -107,7 +107,7 @@ def is_reserved(name: str) -> bool:
 
 def is_header(name: str) -> bool:
     """Whether C libraries, compilers or common systems have a header of this name (without `.h`), in capitals or not:
-    not all file systems tell these apart.
+    some file systems ignore these.
     """
     return is_header_of_c(name) or name.lower() in _HEADERS_OF_SYSTEMS
 

@@ -62,18 +62,18 @@ def package(folder: Path, law: str, file: str, beside: str = "") -> dict[str, st
         ("Law", "law", "csp_core.h", "csp_core.h, written by hand, has the name of a file of the kernel"),
         ("Math", "math", "", "math.h, written by hand, has the name of a header of C"),
         ("Law", "law", "features.h", "features.h, written by hand, has the name of a header of C"),
-        ("Network", "law", "", "network.h, in which the struct of `Network` is looked for, has the name of a gen"),
+        ("Network", "law", "", "network.h, which has the struct of `Network`, has the name of a gen"),
         (
             "Features",
             "law",
             "",
-            "features.h, in which the struct of `Features` is looked for, has the name of a header",
+            "features.h, which has the struct of `Features`, has the name of a header",
         ),
         (
             "Law",
             "Law",
             "",
-            "law.h, in which the struct of `Law` is looked for, has the name of Law.h, but for capitals",
+            "law.h, which has the struct of `Law`, has the name of Law.h, but for capitals",
         ),
     ],
 )
