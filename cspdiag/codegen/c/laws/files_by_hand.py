@@ -75,6 +75,11 @@ def headers_of_definitions(
     return headers
 
 
+def structs_by_hand(network: Network, environments: Iterable[Environment]) -> frozenset[str]:
+    """The names of the structs that are defined by hand, with which those of their functions begin."""
+    return frozenset(snake_case(item.name) for item in _definitions(network, environments))
+
+
 def _definitions(network: Network, environments: Iterable[Environment]) -> Iterator[_Definition]:
     for class_ in network.classes:
         if class_.external is not None and class_.external.language == "c":

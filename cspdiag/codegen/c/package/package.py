@@ -12,9 +12,10 @@ from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.laws.by_hand import FILE as TYPES_BY_HAND
 from cspdiag.codegen.c.laws.by_hand import checks_file, refuse_missing_members
 from cspdiag.codegen.c.laws.external import device_files, external_files
-from cspdiag.codegen.c.laws.files_by_hand import headers_of_definitions, refuse_taken_names
+from cspdiag.codegen.c.laws.files_by_hand import headers_of_definitions, refuse_taken_names, structs_by_hand
 from cspdiag.codegen.c.laws.fmus import fmu_files
 from cspdiag.codegen.c.laws.laws import law_files
+from cspdiag.codegen.c.laws.macros_by_hand import refuse_colliding_macros
 from cspdiag.codegen.c.network.environments import environment_files
 from cspdiag.codegen.c.network.network import network_files
 from cspdiag.codegen.c.package.definitions import constants_header, plain_types_header, types_header
@@ -226,7 +227,10 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     headers = {path: text for path, text in texts.items() if path.endswith(".h")}
     identifying = {path: text for path, text in texts.items() if path != "main_simulation.c"}
     interface = Interface(lowered, names, types, inlined=options.level > 0)
+    owners = structs_by_hand(lowered, simulated)
+    refuse_colliding_macros(texts, by_hand, owners)
     step_files = interface_files(interface, identifying, headers, render)
+    refuse_colliding_macros({**texts, **step_files}, by_hand, owners)
     files.update(step_files)
     program += [path for path in step_files if path.endswith(".c")]
     program.sort(key=lambda path: (path != TYPES_BY_HAND, path))  # Its reasons come before those of a compiler.
