@@ -19,15 +19,27 @@ _UNUSED = frozenset(("main", "port", "exceptions", "environment", "fmu", "values
 """Of the names that no class may have, those that no file of a package has."""
 
 
+_STRUCTS = frozenset(("network", "network_drivers"))
+"""Those that are generated, besides those of classes, of types and of the interface."""
+
+
 @record
 class _Definition:
-    """A definition with a body in C; ``file`` is the stem of the header in which generated code looks for its struct,
-    empty for a driver, whose header may have any name.
-    """
+    """A definition with a body in C."""
 
     name: str
     body: ExternalBody
-    file: str
+    is_driver: bool = False
+
+    @property
+    def struct(self) -> str:
+        """The name of its struct."""
+        return snake_case(self.name)
+
+    @property
+    def file(self) -> str:
+        """The stem of the header that generated code includes for it; that of a driver may have any name."""
+        return "" if self.is_driver else self.struct
 
 
 def refuse_taken_names(
@@ -37,13 +49,18 @@ def refuse_taken_names(
     texts: Mapping[str, str],
     kernel: Collection[str],
 ) -> None:
-    """Raises TargetError for each file by hand, and each definition, that needs the name of a generated file, of one of
-    the ``kernel``, or of a header of C, which it would hide. Some file systems ignore capitals.
+    """Raises TargetError for each file by hand, and each definition, that needs the name of a generated file or type,
+    of a file of the ``kernel``, or of a header of C, which it would hide. Some file systems ignore capitals.
     """
     taken = {name.lower(): "the name of a generated file" for name in _generated(network, names)}
     taken |= {name.lower(): "the name of a file of the kernel" for name in kernel}
+    structs = _STRUCTS | names.interface.union(names.types.values())
     found: dict[str, None] = {}
     for item in _definitions(network, environments):
+        if item.struct in structs:
+            what = f"the struct of `{item.name}` would be `{item.struct}`, the name of a generated type"
+            found[f"{item.body.span}: {what}\n  help: rename `{item.name}`"] = None
+            continue
         paths = list(_reached(source_paths(item.body), texts))
         given = {posixpath.basename(path) for path in paths}
         for path in paths:
@@ -77,21 +94,21 @@ def headers_of_definitions(
 
 def structs_by_hand(network: Network, environments: Iterable[Environment]) -> frozenset[str]:
     """The names of the structs that are defined by hand, with which those of their functions begin."""
-    return frozenset(snake_case(item.name) for item in _definitions(network, environments))
+    return frozenset(item.struct for item in _definitions(network, environments))
 
 
 def _definitions(network: Network, environments: Iterable[Environment]) -> Iterator[_Definition]:
     for class_ in network.classes:
         if class_.external is not None and class_.external.language == "c":
-            yield _Definition(class_.definition, class_.external, snake_case(class_.definition))
+            yield _Definition(class_.definition, class_.external)
     for owner in (*network.classes, *environments):
         for call in external_calls(owner):
             if call.external.language == "c":
-                yield _Definition(call.definition, call.external, snake_case(call.definition))
+                yield _Definition(call.definition, call.external)
     for environment in environments:
         for driver in environment.drivers:
             if driver.external.language == "c":
-                yield _Definition(driver.definition, driver.external, "")
+                yield _Definition(driver.definition, driver.external, is_driver=True)
 
 
 def _generated(network: Network, names: PackageNames) -> Iterator[str]:

@@ -1,4 +1,6 @@
-"""Macros in files by hand that would replace names in generated code, which is behind them where it is compiled."""
+"""Macros in files by hand that would replace names in generated code, which is behind them where it is compiled, and
+enumerators that have the names of constants.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +17,9 @@ _TEXT = re.compile(r"\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'")
 _WORD = re.compile(r"\b[A-Za-z_]\w*\b(\s*\()?")
 _NAME = re.compile(r"\b[A-Za-z_]\w*\b")
 _DEFINITION = re.compile(r"(\w+)(\(?)(.*)", re.DOTALL)
+_ENUM = re.compile(r"\benum\s*\w*\s*\{([^{}]*)\}")
+_ENUMERATOR = re.compile(r"(?:^|,)\s*(\w+)")
+_CONSTANT = re.compile(r"static const [\w ]+?(\w+)(?:\[\d+\])* =")
 _QUOTED = re.compile(r'"([^"]+)"')
 _LONGEST = 100
 """Letters of a line that are shown."""
@@ -27,6 +32,15 @@ class _Macro:
     name: str
     has_arguments: bool
     body: str
+    path: str
+    line: int
+
+
+@record
+class _Enumerator:
+    """A name in an enumeration by hand, and where it is."""
+
+    name: str
     path: str
     line: int
 
@@ -54,12 +68,14 @@ class _Forgotten:
     name: str
 
 
-_Step = _Macro | _Use | _Included | _Forgotten
+_Step = _Macro | _Enumerator | _Use | _Included | _Forgotten
 
 
 def refuse_colliding_macros(texts: Mapping[str, str], by_hand: Collection[str], owners: Iterable[str]) -> None:
     """Raises TargetError for each macro in a file ``by_hand`` that would replace a name in one of the other ``texts``
-    that follows it. What begins with one of the ``owners``, the structs by hand, is theirs.
+    that follows it, and for each enumerator with the name of a constant of the program.
+
+    What begins with one of the ``owners``, the structs by hand, is theirs.
     """
     texts = {path: text for path, text in texts.items() if path.endswith((".c", ".h"))}
     own = tuple(f"{owner}_" for owner in owners)
@@ -68,7 +84,7 @@ def refuse_colliding_macros(texts: Mapping[str, str], by_hand: Collection[str], 
         step.name
         for found in steps.values()
         for step in found
-        if isinstance(step, _Macro) and not is_reserved(step.name) and not step.name.startswith(own)
+        if isinstance(step, _Macro | _Enumerator) and not is_reserved(step.name) and not step.name.startswith(own)
     }
     others = {path: text for path, text in texts.items() if path not in steps}
     if not any(name in text for text in others.values() for name in names):
@@ -90,7 +106,11 @@ def refuse_colliding_macros(texts: Mapping[str, str], by_hand: Collection[str], 
 
 def _by_hand(path: str, text: str) -> Iterator[_Step]:
     """What a file by hand does to macros. Whether a condition holds is not known."""
-    for one in divided(without_comments(text))[1]:
+    plain, directives = divided(without_comments(text))
+    for enum in _ENUM.finditer(plain):
+        for entry in _ENUMERATOR.finditer(enum[1]):
+            yield _Enumerator(entry[1], path, plain.count("\n", 0, enum.start(1) + entry.start(1)) + 1)
+    for one in directives:
         if one.word == "include" and (quoted := _QUOTED.match(one.rest)):
             yield _Included(posixpath.basename(quoted[1]))
         elif one.word == "undef":
@@ -138,6 +158,7 @@ def _collisions(
 ) -> Iterator[tuple[str, str]]:
     """The macros that replace something where a source is compiled, and why they are refused."""
     known: dict[str, _Macro] = {}
+    enumerators: dict[str, _Enumerator] = {}
     for place, step in _in_order(path, steps, set()):
         match step:
             case _Macro() if step.name in names and step.body != step.name:
@@ -146,7 +167,18 @@ def _collisions(
                 known[step.name] = replaced(step, body=f"{before.body} {step.body}") if before and is_other else step
             case _Forgotten(name=name):
                 known.pop(name, None)
+            case _Enumerator():
+                enumerators[step.name] = step
             case _Use():
+                constant = _CONSTANT.match(step.shown)
+                if constant and constant[1] == step.word and (same := enumerators.get(step.word)):
+                    yield (
+                        same.name,
+                        (
+                            f"{same.path}:{same.line}: the enumerator `{same.name}` has the name of a constant, "
+                            f"`{step.shown}` of {place}\n  help: give it another name, such as `{_longer(same)}`"
+                        ),
+                    )
                 for macro, shown, where in _replacing(step, place, known, by_hand):
                     yield macro.name, _reason(macro, shown, where)
             case _:  # Other macros, and files, which are in the order.
@@ -190,6 +222,6 @@ def _reason(macro: _Macro, shown: str, where: str) -> str:
     )
 
 
-def _longer(macro: _Macro) -> str:
-    """A name that says of which file a macro is."""
-    return f"{re.sub(r'[^A-Za-z0-9]+', '_', posixpath.splitext(macro.path)[0])}_{macro.name}".upper()
+def _longer(found: _Macro | _Enumerator) -> str:
+    """A name that says of which file it is."""
+    return f"{re.sub(r'[^A-Za-z0-9]+', '_', posixpath.splitext(found.path)[0])}_{found.name}".upper()

@@ -172,6 +172,8 @@ class PackageNames(Package):
             *(f"{self.prefix}_{part}" for part in (*_INTERFACE, *sorted(of_parameters))),
             *(f"{self.prefix}_{part}".upper() for part in _INTERFACE_CONSTANTS),
         )
+        self.interface = frozenset(interface)
+        """The names of the interface that are the same in each program, but for the prefix."""
         self._names = Names((*FILES, *_NETWORK_NAMES, *interface))
         self.types: Mapping[str, str] = {
             name: self.public(with_underscores(name))

@@ -67,14 +67,16 @@ def require_syntax(files: dict[str, str], folder: Path) -> None:
 @pytest.mark.parametrize(
     ("law", "file", "beside", "reason"),
     [
-        ("Network", "network", "", "network.c, written by hand, has the name of a generated file"),
-        ("Types", "types", "", "types.h, written by hand, has the name of a generated file"),
-        ("TankApi", "tank_api", "", "tank_api.c, written by hand, has the name of a generated file"),
+        ("Network", "network", "", "the struct of `Network` would be `network`, the name of a generated type"),
+        ("TankHooks", "law", "", "the struct of `TankHooks` would be `tank_hooks`, the name of a generated type"),
+        ("NetworkNames", "network_names", "", "network_names.c, written by hand, has the name of a generated file"),
+        ("Constants", "constants", "", "constants.h, written by hand, has the name of a generated file"),
+        ("Law", "law", "tank_api.h", "tank_api.h, written by hand, has the name of a generated file"),
         ("Law", "law", "Tank.h", "Tank.h, written by hand, has the name of a generated file"),
         ("Law", "law", "csp_core.h", "csp_core.h, written by hand, has the name of a file of the kernel"),
         ("Math", "math", "", "math.h, written by hand, has the name of a header of C"),
         ("Law", "law", "features.h", "features.h, written by hand, has the name of a header of C"),
-        ("Network", "law", "", "network.h, which has the struct of `Network`, has the name of a gen"),
+        ("Constants", "law", "", "constants.h, which has the struct of `Constants`, has the name of a gen"),
         (
             "Features",
             "law",
@@ -121,6 +123,15 @@ def test_a_macro_that_replaces_a_name_of_the_package_is_refused(macro: str, coll
     name = re.split(r"\W", macro)[0]
     assert f"  help: give it another name, such as `LAW_{name.upper()}`, or end it by `#undef {name}`" in str(
         refused.value
+    )
+
+
+def test_an_enumerator_with_the_name_of_a_constant_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(TargetError) as refused:
+        package(tmp_path, "Law", "law", macros="enum sizes { level,\n N = 5 };")
+    assert str(refused.value) == (
+        "law.h:4: the enumerator `N` has the name of a constant, `static const int64_t N = 5;` of constants.h\n"
+        "  help: give it another name, such as `LAW_N`"
     )
 
 
