@@ -22,6 +22,7 @@ CAUGHT_INSIDE = {
     "UndefinedError", "OutOfRangeError", "NoPartError", "EvaluationFault", "NeedsLoad", "Restart", "TransitionError",
     "LimitError", "SolverTimeoutError", "TooLargeError", "NoSuchElementError", "UnboundedError", "AstrayError",
     "NotStaticError", "NoFormError", "NoElementError", "NoValueError", "UnknownError", "IrregularError",
+    "UnknownSyntaxError",
     "NoResultError", "UsageError", "NoRepositoryError", "RaisedError", "CancelledError", "DeclaredError",
     "FaultError", "MissedSampleError", "FailureError",
 }  # fmt: skip

@@ -28,9 +28,10 @@ struct csp_pointers {
     uint32_t count;
 };
 
-/* The bytes of a member of a structure, or of an element of one; and how many elements there are, which are also those of arrays in arrays. */
+/* The bytes of a member of a structure, or of an element of one; and how many elements there are, which are also those of arrays in arrays. Elements may
+ * be structures of nothing but arrays without elements, which take no bytes. */
 #define CSP_SIZE_OF(structure, member) (sizeof(((structure *)NULL)->member))
-#define CSP_ELEMENTS(structure, member, element) (CSP_SIZE_OF(structure, member) / CSP_SIZE_OF(structure, element))
+#define CSP_ELEMENTS(structure, member, element) (CSP_SIZE_OF(structure, member) / ((CSP_SIZE_OF(structure, element) != 0U) ? CSP_SIZE_OF(structure, element) : 1U))
 
 /* How far a structure has been gone through. One is needed for each level of structures inside each other. */
 typedef struct csp_pointer_visit {

@@ -8,7 +8,7 @@ from functools import cached_property
 from zlib import crc32
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.interface.layout import Layout
+from cspdiag.codegen.c.interface.layout import Extent, Layout
 from cspdiag.codegen.c.interface.pointers import pointer_files
 from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.text.code import EQUALITY, Aggregate, Code, code, conditional, infix
@@ -34,6 +34,7 @@ class ApiText:
     top: str
     size: int
     small_size: int
+    alignment: int
     """With pointers of 32 bits or less."""
     build: str
     """A number of eight hexadecimal digits that identifies the program and its kernel."""
@@ -128,15 +129,16 @@ class Interface:
         kinds += [(port, "EVENT") for port in self.events]
         return {port.key: self.names.public_constant(f"{kind}_{port.key}") for port, kind in kinds}
 
-    def text(self, sizes: tuple[int, int], build: str, processes: int) -> ApiText:
-        """What the templates are given, for instances with ``processes`` of at most these bytes: with pointers of 64
+    def text(self, extents: tuple[Extent, Extent], build: str, processes: int) -> ApiText:
+        """What the templates are given, for instances with ``processes`` that take at most this: with pointers of 64
         bits, and with shorter ones.
         """
         return ApiText(
             name=self.prefix,
             top=self.network.top,
-            size=sizes[0],
-            small_size=sizes[1],
+            size=extents[0].size,
+            small_size=extents[1].size,
+            alignment=max(extent.alignment for extent in extents),
             build=build,
             processes=processes,
             measured="thread" if self.inlined else "process",
@@ -333,14 +335,15 @@ def interface_files(
     by path.
     """
     processes = _number("network_process_count = ", files["network_names.c"])
-    first = interface.text((0, 0), "", processes)
+    first = interface.text((Extent(0, 1), Extent(0, 1)), "", processes)
     own_header = f"{first.name}_api.h"
     texts = {**headers, own_header: render("api.h.j2", api=first), f"{first.name}_api.c": first.instance}
     constants = {"CSP_LEVELS": _number("#define CSP_LEVELS ", files["csp_config.h"]), "CSP_DEEPEST": DEEPEST}
     layout = Layout(texts, constants)
     instance = f"{first.name}_instance"
     build = crc32("\0".join(text for _, text in sorted(files.items())).encode())
-    api = interface.text((layout.size(instance), layout.size(instance, pointer=4)), f"{build:08x}", processes)
+    extents = layout.extent(instance), layout.extent(instance, pointer=4)
+    api = interface.text(extents, f"{build:08x}", processes)
     classes = {name for name in interface.names.classes.values() if f"{name}.h" in files}
     own = {own_header: render("api.h.j2", api=api), f"{api.name}_api.c": render("api.c.j2", api=api)}
     return {**own, **pointer_files(layout, classes)}

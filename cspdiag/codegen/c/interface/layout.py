@@ -39,7 +39,7 @@ _LARGEST = 16
 
 
 @record
-class _Extent:
+class Extent:
     """The bytes of a type, and the multiples of which its addresses are."""
 
     size: int
@@ -53,7 +53,7 @@ class Layout:
         """The texts of ``headers`` by path."""
         self._lengths = Lengths(constants, self._size_of)
         self._types: dict[str, CType] = {}
-        self._known: dict[tuple[str, int], _Extent] = {}
+        self._known: dict[tuple[str, int], Extent] = {}
         self._pointer = 8
         self._places: dict[str, tuple[str, int]] = {}
         """The header of each type, and the line."""
@@ -81,12 +81,10 @@ class Layout:
                 self._places[name] = path, line
         return self._macros[path]
 
-    def size(self, name: str, pointer: int = 8) -> int:
-        """The bytes of a structure, with pointers of ``pointer`` bytes. Raises TargetError for one that is not
-        understood.
-        """
+    def extent(self, name: str, pointer: int = 8) -> Extent:
+        """Of a structure, with pointers of ``pointer`` bytes. Raises TargetError for one that is not understood."""
         self._pointer = pointer
-        return self._of(Named(name), name).size
+        return self._of(Named(name), name)
 
     def resolved(self, type_: CType) -> CType:
         """The type that a name has in the end; other types, and names that are not defined, as they are.
@@ -147,7 +145,7 @@ class Layout:
     def _size_of(self, type_name: str) -> int:
         return self._of(type_named(type_name), type_name).size
 
-    def _of(self, type_: CType, name: str) -> _Extent:
+    def _of(self, type_: CType, name: str) -> Extent:
         """Of what is called ``name``."""
         match type_:
             case Named(name=known):
@@ -166,19 +164,19 @@ class Layout:
                     self._computed.pop()
                 return self._known[key]
             case Pointer() | Function():
-                return _Extent(self._pointer, self._pointer)
+                return Extent(self._pointer, self._pointer)
             case Array(element=element, length=length):
                 each = self._of(element, name)
-                return _Extent(each.size * self._count(name, length), each.alignment)
+                return Extent(each.size * self._count(name, length), each.alignment)
             case Structure():
                 return self._of_members(type_)
             case Either(types=types):
                 extents = [self._of(one, name) for one in types]
-                return _Extent(max(one.size for one in extents), max(one.alignment for one in extents))
+                return Extent(max(one.size for one in extents), max(one.alignment for one in extents))
             case NotUnderstood():
                 return self._of(self.resolved(type_), name)
 
-    def _of_named(self, type_: Named, name: str) -> _Extent:
+    def _of_named(self, type_: Named, name: str) -> Extent:
         number = self._of_number(type_.name)
         if number is not None:
             return number
@@ -194,9 +192,9 @@ class Layout:
             )
         return number
 
-    def _of_number(self, name: str) -> _Extent | None:
+    def _of_number(self, name: str) -> Extent | None:
         part = self._scalar(name.replace("_Complex", "").strip())
-        return None if part is None else _Extent(2 * part if "_Complex" in name else part, part)
+        return None if part is None else Extent(2 * part if "_Complex" in name else part, part)
 
     def _scalar(self, name: str) -> int | None:
         """The bytes of a real number; None for another type."""
@@ -215,7 +213,7 @@ class Layout:
             return 2
         return {0: 4, 1: self._pointer}.get(words.count("long"), 8)
 
-    def _of_members(self, type_: Structure) -> _Extent:
+    def _of_members(self, type_: Structure) -> Extent:
         end, largest, alignment = 0, 1, 1
         for member in type_.members:
             if self._within:
@@ -227,7 +225,7 @@ class Layout:
             largest = max(largest, extent.size)
         alignment = max(alignment, *(self._aligned(text) for text in ("1", *type_.alignment)))
         whole = largest if type_.kind == "union" else end
-        return _Extent(-(-max(whole, 1) // alignment) * alignment, alignment)
+        return Extent(-(-max(whole, 1) // alignment) * alignment, alignment)
 
     def _aligned(self, text: str) -> int:
         """What an alignment as it is written asks for: a number, or a type to be aligned like."""

@@ -104,7 +104,8 @@ _INTERFACE = words(
     """
     memory instance input inputs output outputs event hooks state begin advance continues next hand_over finish
     release stop save restore describe times write_times port communication cause failure diagnose channel_name
-    process_name api types build size_is_too_small parameter refusal why_refused
+    process_name api types build size_is_too_small
+    alignment_is_too_small aligned_memory aligned_instance parameter refusal why_refused
     """
 )
 """What names of the interface end with, after the name of the package."""

@@ -71,7 +71,7 @@ def rows(before: str, members: str) -> str:
     if "struct sub" not in members:
         headers["other.h"] = headers["other.h"].replace("double *", "float")
     layout = Layout(headers, {})
-    layout.size("struct network")
+    layout.extent("struct network")
     return pointer_files(layout, [])["network_pointers.c"]
 
 

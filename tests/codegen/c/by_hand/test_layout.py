@@ -78,17 +78,19 @@ def test_sizes_are_those_of_compilers(compiler: str, pointer: int, tmp_path: Pat
     listed = subprocess.run(["nm", "-P", tmp_path / "sizes.o"], check=True, capture_output=True, text=True).stdout
     expected = {row.split()[0]: int(row.split()[3], 16) for row in listed.splitlines() if "_size" in row}
     layout = Layout({"law.h": HEADER}, {})
-    assert {f"{name.split()[-1]}_size": layout.size(name, pointer) for name in names} == expected
+    assert {f"{name.split()[-1]}_size": layout.extent(name, pointer).size for name in names} == expected
 
 
 def test_an_enumeration_is_given_the_bytes_of_an_integer() -> None:
     text = "struct law { enum { OFF, ON = 2 } mode; enum later { LOW = 3 } other[LOW]; enum later last[ON]; };"
-    assert Layout({"law.h": text}, {}).size("law") == 24
+    assert Layout({"law.h": text}, {}).extent("law").size == 24
 
 
 def test_each_bit_field_is_given_its_whole_type() -> None:
     assert (
-        Layout({"law.h": "struct law { unsigned flags : 3, more : 4; unsigned : 5; char last : 2; };"}, {}).size("law")
+        Layout({"law.h": "struct law { unsigned flags : 3, more : 4; unsigned : 5; char last : 2; };"}, {})
+        .extent("law")
+        .size
         == 16
     )
 
@@ -97,7 +99,7 @@ def test_each_bit_field_is_given_its_whole_type() -> None:
 def test_a_length_that_is_not_understood_is_refused(length: str) -> None:
     text = f"#define SELF (SELF + 1)\n#define MANY MANY + MANY\nstruct law {{ double taps[{length}]; }};"
     with pytest.raises(TargetError, match="taps") as refused:
-        Layout({"law.h": text}, {}).size("law")
+        Layout({"law.h": text}, {}).extent("law")
     assert length in str(refused.value)
 
 
@@ -113,25 +115,25 @@ def test_a_length_that_is_not_understood_is_refused(length: str) -> None:
 def test_a_member_that_is_not_understood_is_refused(member: str, shown: str) -> None:
     text = f"#define FIELD(type, name) type name\n#define LOOP LOOP LOOP\nstruct law {{ int a; {member} int b; }};"
     with pytest.raises(TargetError, match="law") as refused:
-        Layout({"law.h": text}, {}).size("law")
+        Layout({"law.h": text}, {}).extent("law")
     assert shown in str(refused.value)
 
 
 def test_a_type_that_is_not_understood_is_refused_where_it_is_used() -> None:
     text = "typedef struct { FIELD(double, x); } odd; struct law { odd one; }; struct other { int a; };"
-    assert Layout({"law.h": text}, {}).size("other") == 4
+    assert Layout({"law.h": text}, {}).extent("other").size == 4
     with pytest.raises(TargetError, match="FIELD"):
-        Layout({"law.h": text}, {}).size("law")
+        Layout({"law.h": text}, {}).extent("law")
 
 
 def test_what_is_not_used_need_not_be_understood() -> None:
     text = "#define SELF SELF +\nstruct other { FIELD(double, x); SELF y; };\ntypedef SELF z; struct law { int a; };"
-    assert Layout({"law.h": text}, {}).size("law") == 4
+    assert Layout({"law.h": text}, {}).extent("law").size == 4
 
 
 @pytest.mark.parametrize(("length", "count"), [("010", 8), ("'z' - 'a'", 25), ("0x10 / sizeof(double[2])", 1)])
 def test_lengths_are_those_of_c(length: str, count: int) -> None:
-    assert Layout({"law.h": f"struct law {{ char text[{length}]; }};"}, {}).size("law") == count
+    assert Layout({"law.h": f"struct law {{ char text[{length}]; }};"}, {}).extent("law").size == count
 
 
 @pytest.mark.parametrize(
@@ -146,19 +148,19 @@ def test_lengths_are_those_of_c(length: str, count: int) -> None:
 )
 def test_the_largest_definition_of_a_constant_counts(before: str) -> None:
     """So that the memory of an instance suffices with each of them."""
-    assert Layout({"law.h": f"{before}\nstruct law {{ char text[N]; }};"}, {}).size("law") == 5
+    assert Layout({"law.h": f"{before}\nstruct law {{ char text[N]; }};"}, {}).extent("law").size == 5
 
 
 def test_the_largest_definition_of_a_type_counts() -> None:
     types = "#ifdef WIDE\ntypedef double real;\n#else\ntypedef float real;\n#endif\n"
     macros = "#ifndef WIDE\n#define INT int\n#else\n#define INT int64_t\n#endif\n"
-    assert Layout({"law.h": f"{types}{macros}struct law {{ INT a; real b; }};"}, {}).size("law") == 16
+    assert Layout({"law.h": f"{types}{macros}struct law {{ INT a; real b; }};"}, {}).extent("law").size == 16
 
 
 @pytest.mark.parametrize(("text", "length"), [("NAME", 5), ('"{;"', 3), ("LONGER", 9)])
 def test_texts_have_a_length(text: str, length: int) -> None:
     header = f'#define NAME "a{{b*"\n#define LONGER "// {{ \\" "\nstruct law {{ char text[sizeof({text})]; }};'
-    assert Layout({"law.h": header}, {}).size("law") == length
+    assert Layout({"law.h": header}, {}).extent("law").size == length
 
 
 def test_messages_have_the_line_of_the_member() -> None:
@@ -167,12 +169,12 @@ def test_messages_have_the_line_of_the_member() -> None:
         "own.h": "#pragma once\n\ntypedef struct {\n    int first;\n    missing_t other;\n} own;",
     }
     with pytest.raises(TargetError) as refused:
-        Layout(headers, {}).size("law")
+        Layout(headers, {}).extent("law")
     assert str(refused.value).startswith("own.h:5: `missing_t`, the type of `other`")
     headers["own.h"] = headers["own.h"].replace("missing_t", "int")
     headers["law.h"] = headers["law.h"].replace("int c", "int \\\n c[LENGTH]")
     with pytest.raises(TargetError) as refused:
-        Layout(headers, {}).size("law")
+        Layout(headers, {}).extent("law")
     assert str(refused.value).startswith("law.h:6: the number of elements of `c[LENGTH]`")
 
 
@@ -189,7 +191,7 @@ def test_macros_hold_behind_their_definition_and_in_headers_that_include_them() 
         "other.h": "typedef short REAL; struct other { REAL level; };",
     }
     layout = Layout(headers, {})
-    assert [layout.size(name) for name in ("kernel", "law", "other")] == [1, 16, 2]
+    assert [layout.extent(name).size for name in ("kernel", "law", "other")] == [1, 16, 2]
 
 
 def test_a_struct_that_may_contain_itself_is_refused() -> None:
@@ -197,4 +199,4 @@ def test_a_struct_that_may_contain_itself_is_refused() -> None:
     other = "struct a { int x; };\nstruct b { int x; };"
     text = f"#ifdef ONE\n{one}\n#elif defined(TWO)\n{two}\n#else\n{other}\n#endif\nstruct law {{ struct a a; }};"
     with pytest.raises(TargetError, match="`struct a` may contain itself"):
-        Layout({"law.h": text}, {}).size("law")
+        Layout({"law.h": text}, {}).extent("law")

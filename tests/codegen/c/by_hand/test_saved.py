@@ -49,6 +49,8 @@ struct law {
     struct { struct { double *p, *r[2]; intptr_t number; } in[2]; } x[2][3];
     struct first first;
     double *none[ROOM - 2];
+    struct { double *q[ROOM - 2]; } nothing[2];
+    double line[4] __attribute__((aligned(64)));
     double *p[N];
     double (*twice)(double value);
     const char *const *texts;
@@ -126,6 +128,7 @@ static void actuate(void *context, tank_output output, const tank_outputs *outpu
 int main(int argc, char **argv)
 {
     static tank_memory own, other, copy, before;
+    static struct { char first; tank_memory own; unsigned char more[16]; } shifted;
     plant of_own = {0.0, 0.0}, of_other = {100.0, 0.0};
     const tank_hooks hooks = {.context = &of_own, .sample = sample, .actuate = actuate};
     const tank_hooks others = {.context = &of_other, .sample = sample, .actuate = actuate};
@@ -133,6 +136,10 @@ int main(int argc, char **argv)
     tank_instance *const another = tank_begin(&other, sizeof other, &others, NULL);
     (void)tank_advance(instance, UNTIL(50), 1000U);
     (void)argc;
+    void *const misaligned = shifted.own.bytes + 16;
+    if ((uintptr_t)&shifted.own % 64U != 0U || tank_begin(misaligned, sizeof own, &hooks, NULL) != NULL) {
+        return 2;
+    }
     if (strcmp(argv[1], "keep") == 0) {
         tank_save(instance, &copy);
         (void)fwrite(&copy, sizeof copy, 1U, stdout);

@@ -26,6 +26,21 @@ struct commstime_instance {
  */
 typedef char commstime_size_is_too_small[(sizeof(commstime_instance) <= COMMSTIME_SIZE) ? 1 : -1];
 
+/* Their offsets are their alignments. */
+struct commstime_aligned_memory {
+    char before;
+    commstime_memory memory;
+};
+struct commstime_aligned_instance {
+    char before;
+    commstime_instance instance;
+};
+typedef char commstime_alignment_is_too_small[
+    (offsetof(struct commstime_aligned_instance, instance)
+                <= offsetof(struct commstime_aligned_memory, memory))
+        ? 1
+        : -1];
+
 /* Identifies the program and its kernel. */
 static const uint32_t build = UINT32_C(0x00000000);
 
@@ -100,7 +115,7 @@ static const char *refused(const void *memory, size_t size, const commstime_hook
     if (size < sizeof(commstime_instance)) {
         return "the memory is too small: commstime_memory is large enough";
     }
-    if (((uintptr_t)memory % sizeof(int64_t)) != 0U) {
+    if (((uintptr_t)memory % offsetof(struct commstime_aligned_memory, memory)) != 0U) {
         return "the memory is misaligned: commstime_memory has the alignment";
     }
     if (hooks == NULL) {

@@ -28,6 +28,21 @@ struct emergency_instance {
  */
 typedef char emergency_size_is_too_small[(sizeof(emergency_instance) <= EMERGENCY_SIZE) ? 1 : -1];
 
+/* Their offsets are their alignments. */
+struct emergency_aligned_memory {
+    char before;
+    emergency_memory memory;
+};
+struct emergency_aligned_instance {
+    char before;
+    emergency_instance instance;
+};
+typedef char emergency_alignment_is_too_small[
+    (offsetof(struct emergency_aligned_instance, instance)
+                <= offsetof(struct emergency_aligned_memory, memory))
+        ? 1
+        : -1];
+
 /* Identifies the program and its kernel. */
 static const uint32_t build = UINT32_C(0x00000000);
 
@@ -175,7 +190,7 @@ static const char *refused(const void *memory, size_t size, const emergency_hook
     if (size < sizeof(emergency_instance)) {
         return "the memory is too small: emergency_memory is large enough";
     }
-    if (((uintptr_t)memory % sizeof(int64_t)) != 0U) {
+    if (((uintptr_t)memory % offsetof(struct emergency_aligned_memory, memory)) != 0U) {
         return "the memory is misaligned: emergency_memory has the alignment";
     }
     if (hooks == NULL) {

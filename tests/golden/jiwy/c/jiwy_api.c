@@ -28,6 +28,21 @@ struct jiwy_instance {
  */
 typedef char jiwy_size_is_too_small[(sizeof(jiwy_instance) <= JIWY_SIZE) ? 1 : -1];
 
+/* Their offsets are their alignments. */
+struct jiwy_aligned_memory {
+    char before;
+    jiwy_memory memory;
+};
+struct jiwy_aligned_instance {
+    char before;
+    jiwy_instance instance;
+};
+typedef char jiwy_alignment_is_too_small[
+    (offsetof(struct jiwy_aligned_instance, instance)
+                <= offsetof(struct jiwy_aligned_memory, memory))
+        ? 1
+        : -1];
+
 /* Identifies the program and its kernel. */
 static const uint32_t build = UINT32_C(0x00000000);
 
@@ -194,7 +209,7 @@ static const char *refused(const void *memory, size_t size, const jiwy_hooks *ho
     if (size < sizeof(jiwy_instance)) {
         return "the memory is too small: jiwy_memory is large enough";
     }
-    if (((uintptr_t)memory % sizeof(int64_t)) != 0U) {
+    if (((uintptr_t)memory % offsetof(struct jiwy_aligned_memory, memory)) != 0U) {
         return "the memory is misaligned: jiwy_memory has the alignment";
     }
     if (hooks == NULL) {
