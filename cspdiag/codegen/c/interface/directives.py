@@ -82,7 +82,7 @@ def divided(text: str) -> tuple[str, Sequence[Directive]]:
         line, end = line + text.count("\n", end, match.start()), match.start()
         rest = match[2].replace("\\\n", " ").strip()
         found.append(Directive(match[1], rest, match.start(), match.end(), line))
-    guard = _guard(found)
+    guard = [*_guard(found), *_inner_guards(found, text)]
     kept, hidden = _compiled([one for one in found if one not in guard])
     marks = {one.start for one in kept if one.word in _MARKED}
     plain: list[str] = []
@@ -110,6 +110,22 @@ def _guard(directives: Sequence[Directive]) -> Sequence[Directive]:
     is_defining = re.compile(rf"{asked[1] or asked[2]}\s*\d*").fullmatch
     defined = [one for one in directives if one.word == "define" and is_defining(one.rest)]
     return (conditions[0], defined[0], conditions[-1]) if defined else ()
+
+
+def _inner_guards(directives: Sequence[Directive], text: str) -> Iterator[Directive]:
+    """Guards of a part of a header, as of a type that other headers define, too: what they guard is there once."""
+    opened: list[int | None] = []
+    for place, one in enumerate(directives):
+        if one.word in CONDITIONS:
+            opened.append(place)
+        elif one.word in ("else", "elif") and opened:
+            opened[-1] = None
+        elif one.word == "endif" and opened and (begin := opened.pop()) is not None:
+            asking, defining = directives[begin : begin + 2]
+            asked = _GUARDED.fullmatch(asking.text.removeprefix("#"))
+            name = asked and (asked[1] or asked[2])
+            if name and defining.text == f"#define {name}" and text[defining.end : one.start].strip():
+                yield from (asking, defining, one)
 
 
 def _compiled(directives: Iterable[Directive]) -> tuple[list[Directive], list[tuple[int, int]]]:

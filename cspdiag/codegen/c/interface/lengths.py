@@ -35,12 +35,24 @@ _DEEPEST = 32
 _LONGEST = 10_000
 """Characters of an expression."""
 
+_LIMITS = {"CHAR_BIT": 8} | {
+    name: value
+    for bits, name_of_c in ((8, "CHAR"), (16, "SHRT"), (32, "INT"))
+    for name, value in (
+        (f"INT{bits}_MAX", 2 ** (bits - 1) - 1),
+        (f"UINT{bits}_MAX", 2**bits - 1),
+        (f"{'S' * (bits == 8)}{name_of_c}_MAX", 2 ** (bits - 1) - 1),
+        (f"U{name_of_c}_MAX", 2**bits - 1),
+    )
+}
+"""Of `<limits.h>` and `<stdint.h>`."""
+
 
 class Lengths:
     """The constants that headers define as macros or in enumerations. ``size`` gives the bytes of a type."""
 
     def __init__(self, constants: Mapping[str, int], size: Callable[[str], int]) -> None:
-        self._texts = {name: [str(value)] for name, value in constants.items()}
+        self._texts = {name: [str(value)] for name, value in {**_LIMITS, **constants}.items()}
         self._size = size
         self._within: list[str] = []
         """The constants with several values that are computed, each for the one before."""

@@ -84,6 +84,8 @@ def test_a_pointer_that_depends_on_the_preprocessor_is_refused(before: str, memb
 
 
 ACCEPTED = {
+    "guarded type": ("#ifndef H_DEFINED\n#define H_DEFINED\ntypedef void *h_t;\n#endif", "h_t h;", 1),
+    "limits": ("#include <limits.h>", "int *p[CHAR_BIT]; char c[UINT8_MAX + 1];", 1),
     "types": (either("typedef int32_t count;", "typedef struct { int64_t a[2]; } count;"), "count c[2];", 0),
     "real": (either("#define T float", "#define T double"), "T level, *levels; struct { T a; T *b; } c[2];", 3),
     "default": ("#ifndef T\n#define T double\n#endif", "T level;", 0),
