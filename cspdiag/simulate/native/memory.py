@@ -26,10 +26,14 @@ says so.
 
 @record
 class FunctionFacts:
-    """A compiler's data on a function: the bytes of its frame and the functions that it calls; None if unknown."""
+    """A compiler's data on a function: the bytes of its frame and the functions that it calls; None if unknown.
+
+    ``grows``: arrays of variable length, or ``alloca``, need more.
+    """
 
     stack: int
     calls: tuple[str, ...] | None
+    grows: bool = False
 
 
 @record
@@ -46,6 +50,7 @@ class MemoryReport:
     stack.
 
     ``exact`` says whether the calls of all functions were known, so the stack is a bound and not an estimate.
+    ``unbounded`` says why there is no bound, as "deep calls itself"; empty: there is one.
     """
 
     compiler: str
@@ -53,6 +58,7 @@ class MemoryReport:
     outside: int
     stack: int
     exact: bool
+    unbounded: str
     frames: tuple[tuple[str, int], ...]
     """The functions with the largest frames, largest first: names, as in the sources, and bytes."""
 
@@ -79,7 +85,9 @@ class MemoryReport:
         rows.append(row("ports, kernel and hooks", max(sizes.instance - parts, 0)))
         rows += [row(rest, sizes.memory - sizes.instance), row(memory, sizes.memory)]
         rows += [row("variables outside of it", self.outside)] if self.outside else []
-        rows.append(row("stack, at most" if self.exact else "stack, about", self.stack))
+        bound = "about" if not self.exact else "at least" if self.unbounded else "at most"
+        rows.append(row(f"stack, {bound}", self.stack))
+        rows += [f"    {self.unbounded}"] if self.unbounded else []
         rows += [
             f"    {frame:<{name_width + 17}} {_bytes(size):>11}"
             for frame, (_, size) in zip(frames, self.frames, strict=True)
@@ -112,7 +120,8 @@ def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) ->
     stack = deepest(functions) if exact else _estimated(functions)
     instantiated = [file for path, file in facts.items() if not path.endswith(OWNERS)]
     outside = sum(size for file in instantiated for size in file.variables.values())
-    return MemoryReport(build.compiler.version, sizes, outside, stack, exact, _largest_frames(functions))
+    frames = _largest_frames(functions)
+    return MemoryReport(build.compiler.version, sizes, outside, stack, exact, unbounded(functions), frames)
 
 
 def _is_of_simulation(path: str) -> bool:
@@ -138,8 +147,8 @@ def _facts(build: Build, path: str) -> FileFacts:
     try:
         found = read_json(place.read_text(encoding="utf-8"))
         functions = {
-            name: FunctionFacts(stack, None if calls is None else tuple(calls))
-            for name, (stack, calls) in found["functions"].items()
+            name: FunctionFacts(stack, None if calls is None else tuple(calls), grows)
+            for name, (stack, calls, grows) in found["functions"].items()
         }
         return FileFacts(found["variables"], functions)
     except (OSError, ValueError, KeyError):
@@ -148,7 +157,9 @@ def _facts(build: Build, path: str) -> FileFacts:
     facts = FileFacts(dict(_variables(made["s"])), _functions(made))
     kept = {
         "variables": dict(facts.variables),
-        "functions": {name: (function.stack, function.calls) for name, function in facts.functions.items()},
+        "functions": {
+            name: (function.stack, function.calls, function.grows) for name, function in facts.functions.items()
+        },
     }
     build.keep_text(json.dumps(kept), place)
     return facts
@@ -175,15 +186,18 @@ def _variables(assembly: str) -> Iterator[tuple[str, int]]:
 def _functions(made: Mapping[str, str]) -> dict[str, FunctionFacts]:
     """Frames from the list of stack usage, and calls from the call graph if the compiler writes one."""
     frames = {}
+    growing = set()
     for row in made.get("su", "").splitlines():
-        place, size, *_ = row.split("\t")
-        frames[place.rpartition(":")[2]] = int(size)
+        place, size, kind = row.split("\t")
+        name = place.rpartition(":")[2]
+        frames[name] = int(size)
+        growing |= {name} if kind == "dynamic" else set()
     if "ci" not in made:
-        return {name: FunctionFacts(size, None) for name, size in frames.items()}
+        return {name: FunctionFacts(size, None, name in growing) for name, size in frames.items()}
     calls: dict[str, list[str]] = {name: [] for name in frames}
     for source, target in re.findall(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', made["ci"]):
         calls.setdefault(source.rpartition(":")[2], []).append(target.rpartition(":")[2])
-    return {name: FunctionFacts(frames.get(name, 0), tuple(called)) for name, called in calls.items()}
+    return {name: FunctionFacts(frames.get(name, 0), tuple(called), name in growing) for name, called in calls.items()}
 
 
 def deepest(functions: Mapping[str, FunctionFacts]) -> int:
@@ -210,6 +224,23 @@ def deepest(functions: Mapping[str, FunctionFacts]) -> int:
         return known[key]
 
     return max((depth(name, True) for name in pointed), default=0)
+
+
+def unbounded(functions: Mapping[str, FunctionFacts]) -> str:
+    """Why the stack has no bound: what calls itself, directly or through others, or has arrays of variable length."""
+    for name, function in sorted(functions.items()):
+        if function.grows:
+            return f"{name} has an array of variable length, or calls alloca"
+        reached = set(function.calls or ())
+        ahead = list(reached)
+        while ahead:
+            further = functions.get(ahead.pop())
+            new = set(further.calls or () if further else ()) - reached
+            reached |= new
+            ahead += new
+        if name in reached:
+            return f"{name} calls itself, directly or through others"
+    return ""
 
 
 def _largest_frames(functions: Mapping[str, FunctionFacts]) -> tuple[tuple[str, int], ...]:

@@ -6,7 +6,7 @@
 #
 # A call through a pointer may reach any function that is internal to a file and that no other function calls by its name: a step of a process, a device
 # function. Messages of faults are reached from csp_describe_message only. Steps call nothing through pointers but device functions, which return before the next step. Ends with status 1 if
-# functions call each other in a cycle.
+# functions call each other in a cycle, or one has an array of variable length.
 
 function quoted(line, key,    start) {
     start = index(line, key ": \"")
@@ -26,6 +26,10 @@ function plain(name) {
     name = quoted($0, "title")
     if (match($0, /[0-9]+ bytes/)) {
         frame[name] = substr($0, RSTART, RLENGTH - 6) + 0
+    }
+    if (index($0, " bytes (dynamic)")) {
+        print "no bound: " plain(name) " has an array of variable length, or calls alloca"
+        unbounded = 1
     }
 }
 
@@ -102,5 +106,5 @@ END {
     }
     close("sort -k1,1nr -k3")
     print (recursive ? "there is recursion" : "no function calls itself, directly or through others")
-    exit recursive
+    exit recursive || unbounded
 }

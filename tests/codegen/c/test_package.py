@@ -18,7 +18,7 @@ from cspdiag.base import SourceFile
 from cspdiag.base.files.resources import template_folder
 from cspdiag.base.sources import read_source
 from cspdiag.network.ir.network import CoreNetwork
-from cspdiag.simulate.native.memory import FunctionFacts, deepest, memory_report
+from cspdiag.simulate.native.memory import FunctionFacts, deepest, memory_report, unbounded
 
 MODELS = Path(__file__).parents[3] / "models"
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
@@ -258,6 +258,15 @@ def test_the_deepest_calls_make_the_stack() -> None:
         "helper": FunctionFacts(7, ()),
     }
     assert deepest(functions) == 10 + 20 + 100 + 7
+    assert unbounded(functions) == ""
+
+
+def test_a_stack_may_have_no_bound() -> None:
+    calls = {"step": ("law",), "law": ("deep",), "deep": ("deeper",), "deeper": ("deep",)}
+    recursive = {name: FunctionFacts(8, called) for name, called in calls.items()}
+    assert unbounded(recursive) == "deep calls itself, directly or through others"
+    growing = {"step": FunctionFacts(8, ("law",)), "law": FunctionFacts(8, (), grows=True)}
+    assert unbounded(growing) == "law has an array of variable length, or calls alloca"
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
@@ -288,3 +297,7 @@ def test_recursion_is_found(tmp_path: Path) -> None:
     done = subprocess.run(["awk", "-v", "package=p", "-f", script, graph], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stdout.splitlines()[-1] == "there is recursion"
+    graph.write_text(nodes.replace("8 bytes (static)", "8 bytes (dynamic)", 1), encoding="utf-8")
+    done = subprocess.run(["awk", "-v", "package=p", "-f", script, graph], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "no bound: p_a has an array of variable length, or calls alloca" in done.stdout.splitlines()
