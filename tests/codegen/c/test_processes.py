@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -153,14 +154,76 @@ def test_branches_that_differ_in_their_number_share_code(level: int) -> None:
 def test_numbers_of_branches_are_computed_with() -> None:
     network = network_of(PROGRAMS / "branches_of_one_body.csp")
     server = pipeline.generate(network, read_source, "c", 0)["server.c"]
-    assert server.count("csp_add(csp, self->question % 1000, self->number_of_choice)") == 1
+    assert server.count("self->question % 1000 + (int64_t)self->choice.alternative.chosen;") == 1
 
 
 def test_branches_in_sequence_share_code_beside_others() -> None:
     network = network_of(PROGRAMS / "branches_in_runs.csp")
     server = pipeline.generate(network, read_source, "c", 1)["server.c"]
-    assert "self->number_of_choice_2_from_3 = (int64_t)self->choice_2.alternative.chosen;" in server
-    assert 10 < server.count("CSP_AWAIT(csp_channel_write(") < 25  # 9 have bodies of their own, in two copies
+    assert "self->question % 999 + (int64_t)self->choice_2.alternative.chosen;" in server  # i + 3 of guard i + 3
+    assert "self->reply[2U - self->choice_2.alternative.chosen]" in server
+    assert server.count("CSP_AWAIT(csp_channel_write(") == 5
+
+
+BRANCHES = """
+process Serves {
+  in  low[4]  : int
+  in  high[4] : int
+  out up[8]   : int
+  out lamp    : int
+
+  communication {
+    var v : int    = 0
+    var w : int[4] = [0, 0, 0, 0]
+  }
+
+  composition { BODY }
+}
+
+process Main {
+  in  low[4]  : int
+  in  high[4] : int
+  out up[8]   : int
+  out lamp    : int
+
+  communication {
+    serves : Serves
+
+    low         -> serves.low
+    high        -> serves.high
+    serves.up   -> up
+    serves.lamp -> lamp
+  }
+
+  composition { serves }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "selections"),
+    [
+        ("alt i < 3 : (low[i] ? v -> lamp ! v + i)", []),
+        ("alt i < 4 : (low[i] ? w[i] -> lamp ! w[3 - i])", []),
+        ("alt i < 4 : (when v != i & low[i] ? v -> (mu (wait i * 1 ms ; v := v + 1) until v > i))", []),
+        ("(prialt i < 4 : (low[i] ? v -> up[i] ! i)) []> (prialt i < 4 : (high[i] ? v -> up[i + 4] ! i))", ["< 4U"]),
+        ("(alt i < 4 : (low[i] ? v -> (wait 1 ms ; up[i] ! v))) [] (after 1 ms -> lamp ! 0)", ["< 4U"]),
+        ("alt i < 2 : (low[i] ? v -> lamp ! v + i)", ["== 0U"]),
+        ("alt i < 3 : (low[i] ? v -> (alt j < 3 : (high[j] ? v -> lamp ! v + j)))", ["== 0U", "== 1U"]),
+    ],
+)
+def test_branches_that_differ_in_numbers_that_count_are_one(body: str, selections: list[str]) -> None:
+    serves = text_of(BRANCHES.replace("BODY", f"mu ({body})"))["serves.c"]
+    assert re.findall(r"if \(self->\w+\.alternative\.chosen (.*)\) \{", serves) == selections
+    assert "switch (self->" not in serves
+
+
+def test_a_zero_is_not_added() -> None:
+    serves = text_of(BRANCHES.replace("BODY", "mu (alt i < 2 : (low[i] ? v -> (lamp ! v + i ; up[i] ! v - i)))"))[
+        "serves.c"
+    ]
+    assert "self->sent.lamp = self->v;" in serves
+    assert not re.search(r"[+-] 0\b", serves)
 
 
 def test_ports_that_count_are_attached_in_loops() -> None:

@@ -80,8 +80,9 @@ def _parser() -> argparse.ArgumentParser:
         choices=sorted(GENERATORS),
         default="meetings",
         help="that communicate often, compute with what is known beforehand, nest interrupts whose guards meet, "
-        "deadlock between parallel parts of a process, communicate with one element of an array after the other, or "
-        "whose parameters change: in laws and arrays of laws, or in the place of literals of the others",
+        "deadlock between parallel parts of a process, communicate with one element of an array after the other or "
+        "with whichever is ready, or whose parameters change: in laws and arrays of laws, or in the place of literals "
+        "of the others",
     )
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--seconds", type=float, default=None, help="stop after this many seconds")

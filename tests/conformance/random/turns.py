@@ -1,4 +1,5 @@
-"""Random programs whose processes communicate with elements of arrays of ports in turn, in nested `seq`.
+"""Random programs whose processes communicate with elements of arrays of ports: in turn, in nested `seq`, or with
+whichever is ready, in replicated alternatives.
 
 Two processes follow one plan of turns, so they would meet in each of them. What they do around a communication differs:
 they wait, fail, choose between an element and a time-out, or are interrupted.
@@ -73,7 +74,20 @@ class Turns:
     steps: tuple[Planned, ...]
 
 
-Planned: TypeAlias = Meeting | Turns
+@dataclass(frozen=True)
+class Served:
+    """What is repeated for each value of an index, of which the process that reads (``way`` is ``in``) or writes in the
+    ``meeting`` takes whichever is ready.
+    """
+
+    index: str
+    count: int
+    meeting: Meeting
+    way: str
+    steps: tuple[Planned, ...]
+
+
+Planned: TypeAlias = Meeting | Turns | Served
 
 
 def planned(draw: Random, arrays: list[str], indexes: dict[str, int], names: list[int]) -> Turns:
@@ -85,9 +99,34 @@ def planned(draw: Random, arrays: list[str], indexes: dict[str, int], names: lis
     for _ in range(draw.choice((1, 1, 2, 3))):
         if len(inside) < 3 and draw.random() < 0.3:
             steps.append(planned(draw, arrays, inside, names))
+        elif len(inside) == 1 and draw.random() < 0.1:
+            steps.append(served(draw, arrays, inside, names))
         else:
             steps.append(Meeting(draw.choice(arrays), element(draw, inside)))
     return Turns(index, count, tuple(steps))
+
+
+def served(draw: Random, arrays: list[str], indexes: dict[str, int], names: list[int]) -> Served:
+    """What is served inside the turns of the given ``indexes``."""
+    names[0] += 1
+    index, count = f"each{names[0]}", draw.choice((2, 3, 4, 5, 6, 6) if not indexes else (2, 3, 3))
+    inside = {**indexes, index: count}
+    # Two guards of one alternative do not read the same element.
+    forms = [index] * 3 + [f"{SIZE - 1} - {index}", f"({index} + 1) % {SIZE}"]
+    forms += [f"({index} + {outer}) % {SIZE}" for outer in indexes]
+    if count < SIZE:
+        forms.append(f"{index} + {SIZE - count}")
+    chosen = draw.choice(forms)
+    others = [
+        Meeting(draw.choice(arrays), draw.choice((chosen, element(draw, inside))))
+        for _ in range(draw.choice((0, 1, 1, 2) if not indexes else (0, 1)))
+    ]
+    steps: list[Planned] = [*others]
+    if not indexes and draw.random() < 0.1:
+        steps.append(planned(draw, arrays, inside, names))
+    return Served(
+        index, count, Meeting(draw.choice(arrays), chosen), draw.choice(("in", "in", "in", "out")), tuple(steps)
+    )
 
 
 def element(draw: Random, indexes: dict[str, int]) -> str:
@@ -116,13 +155,51 @@ class Side:
     part: Part
     arrays: dict[str, tuple[str, str]]
 
+    def step(self, plan: Planned) -> Node | None:
+        """What this process does; None if it takes no part."""
+        match plan:
+            case Turns():
+                return self.turns(plan)
+            case Served():
+                return self.served(plan)
+            case Meeting():
+                return self.meeting(plan)
+
+    def served(self, plan: Served) -> Node | None:
+        """The alternative of the process that serves, again and again; for others it is a sequence."""
+        array = plan.meeting.array
+        if array not in self.arrays or self.arrays[array][0] != plan.way:
+            return self.turns(Turns(plan.index, plan.count, (plan.meeting, *plan.steps)))
+        draw, leaf = self.draw, self.part.leaf
+        counter = leaf.fresh("k")
+        leaf.variables[counter] = ("int", "0")
+        leaf.indexes.append(plan.index)
+        steps = [each for step in plan.steps for each in (*self.between(0.3), self.step(step)) if each is not None]
+        body = Node("", (*steps, *self.between(0.6)), " ; ") if steps else self.plain_step()
+        if draw.random() < 0.15:
+            body = self.around(body)
+        condition = f"when {plain(self.part.value('bool'))} & " if draw.random() < 0.15 else ""
+        guard = f"{condition}{plain(self.access(array, plan.meeting.index))}"
+        leaf.indexes.pop()
+        word, operator = draw.choice((("alt", " [] "), ("alt", " [] "), ("prialt", " []> ")))
+        guards = [Node(f"({word} {plan.index} < {plan.count} : ({guard} -> {{}}))", (body,))]
+        if draw.random() < 0.3:
+            other = draw.choice(["after 2 ms", "skip", *map(plain, self.another(array))])
+            guards.append(self.guarded(other))
+            draw.shuffle(guards)
+        choice = Node("", tuple(guards), operator) if len(guards) > 1 else guards[0]
+        rounds = draw.choice((plan.count, plan.count, 2 * plan.count))
+        return Node(
+            f"({counter} := 0 ; (mu ({{}} ; {counter} := {counter} + 1) until {counter} >= {rounds}))", (choice,)
+        )
+
     def turns(self, plan: Turns) -> Node | None:
         """The turns of this process; None if it takes part in none."""
         indexes = self.part.leaf.indexes
         indexes.append(plan.index)
         steps: list[Node] = []
         for step in plan.steps:
-            made = self.turns(step) if isinstance(step, Turns) else self.meeting(step)
+            made = self.step(step)
             if made is not None:
                 steps += [*self.between(0.25), made]
         if steps:
@@ -238,7 +315,9 @@ def turns(seed: int) -> Program:
         leaves[owner].periods[f"{name}[{SIZE}]"] = period
         relations.append(f"{name} -> leaf{owner}.{name}" if way == "in" else f"leaf{owner}.{name} -> {name}")
     names, used = [0], sorted({name for own in arrays for name in own})
-    plans = [planned(draw, used, {}, names) for _ in range(draw.randint(2, 4))]
+    plans = [draw.choice((planned, served))(draw, used, {}, names) for _ in range(draw.randint(2, 4))]
+    # A choice may read any element, so each has a writer.
+    plans.append(Turns("last", SIZE, tuple([Meeting(name, "last") for name in used])))
     bodies = []
     for leaf, own in zip(leaves, arrays, strict=True):
         leaf.ports = {f"{name}[{SIZE}]": kind for name, kind in own.items()}
@@ -249,11 +328,11 @@ def turns(seed: int) -> Program:
     return Program(f"{DEFINITIONS}\n{LAWS}{_plant(draw)}", definitions, _outermost(leaves, relations), top)
 
 
-def _body(draw: Random, side: Side, plans: list[Turns]) -> Node:
+def _body(draw: Random, side: Side, plans: list[Turns | Served]) -> Node:
     """All plans one after the other, two or three times; each is left at last if the others do not follow it."""
     leaf, steps = side.part.leaf, []
     for plan in plans:
-        made = side.turns(plan)
+        made = side.step(plan)
         if made is None:
             continue
         steps.append(made if draw.random() < 0.4 else Node("({} interrupt after 7 ms -> skip)", (made,)))

@@ -18,13 +18,14 @@ def test_all_programs_are_correct_and_most_communicate_often() -> None:
     assert sum(count is not None and count >= LEAST for count in made) >= 20
 
 
-def test_many_programs_have_loops_in_c_in_which_a_process_waits() -> None:
-    looping = 0
+@pytest.mark.parametrize(("text", "least"), [("self->turn", 5), (".alternative.chosen]", 3)])
+def test_many_programs_have_loops_and_branches_in_c_that_compute_with_their_number(text: str, least: int) -> None:
+    having = 0
     for seed in range(10):
         network = network_of(SourceFile(name="random.csp", text=str(turns(seed))))
         files = pipeline.generate(network, read_source, "c", 0)
-        looping += any("self->turn" in text for text in files.values())
-    assert looping >= 5
+        having += any(text in file for file in files.values())
+    assert having >= least
 
 
 @pytest.mark.parametrize("seed", range(100, 108))

@@ -226,6 +226,8 @@ class Printer(Evaluator):
         operator = expression.operator
         if isinstance(expression.type, IntType) and (known := known_result(expression)) is not None:
             return self.types.literal(known, expression.type)
+        if operator in ("+", "-") and self._is_zero(expression.right) and expression.left.type == expression.type:
+            return left
         if operator == "^":
             return self._narrow(expression, call("csp_power", left, right))
         by_zero = operator in "/%" and divisor_may_be_zero(expression)
@@ -259,6 +261,11 @@ class Printer(Evaluator):
         if not isinstance(expression, LiteralValue) or not isinstance(expression.type, IntType):
             return False
         return self._name_of(expression) is None
+
+    def _is_zero(self, expression: Expression) -> bool:
+        """Whether an integer operand is the literal 0, which needs not be added."""
+        value = expression.value if isinstance(expression, LiteralValue) and self._name_of(expression) is None else None
+        return type(value) is int and value == 0
 
     def _comparison(self, expression: BinaryOperation) -> Code:
         known = self._known_comparison(expression)

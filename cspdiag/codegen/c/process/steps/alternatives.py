@@ -8,7 +8,7 @@ from typing import assert_never
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.process.flow import can_complete
-from cspdiag.codegen.c.process.steps.alike import runs, shared_body
+from cspdiag.codegen.c.process.steps.alike import Run, runs
 from cspdiag.codegen.c.process.steps.plain_steps import (
     check_finite,
     hand_over,
@@ -17,6 +17,7 @@ from cspdiag.codegen.c.process.steps.plain_steps import (
     size_of,
     store_value,
 )
+from cspdiag.codegen.c.process.steps.turns import turn_finder
 from cspdiag.codegen.c.process.struct.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, RELATION, Code, address, call, code, infix, own, unsigned
@@ -81,7 +82,9 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     name = writer.members.names.fresh(step.name)
     member = own(name)
     alternative = address(member.field("alternative"))
-    guards = [make_guard(writer, branch, f"{name}_value_{number}") for number, branch in enumerate(step.branches)]
+    number_chosen = member.field("alternative").field("chosen")
+    parts = list(runs(writer.members, turn_finder(writer), step.branches, number_chosen))
+    guards = [guard for part in parts for guard in _guards(writer, step, part, name)]
     timers = [guard for guard in guards if isinstance(guard.event, AfterEvent)]
     writer.members.structs[name] = _fields(len(guards), len(timers))
     conditional = any(branch.condition is not None for branch in step.branches)
@@ -111,14 +114,7 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     else:
         begun = call("csp_select", "party", alternative)
     waiting = writer.wait(begun, again, place)
-    number_chosen = member.field("alternative").field("chosen")
-    bodies: list[_Body] = []
-    for start, end in runs(step.branches):
-        shared = shared_body(writer, step, start, end, number_chosen) if end - start > _MAX_TESTED_BRANCHES else None
-        for first in range(start, end if shared is None else start + 1):
-            statements = writer.statements(guards[first].branch.body) if shared is None else shared
-            beginning = branch_beginning(writer, guards[first])
-            bodies.append(_Body(guards[first], first, first + 1 if shared is None else end, [*beginning, *statements]))
+    bodies = [_body(writer, part, guards[part.start]) for part in parts]
     return [writer.remark(step), *enabling, waiting, *_chosen(writer, number_chosen, bodies)]
 
 
@@ -137,6 +133,31 @@ def _initialized(member: Code, count: int, *, prioritized: bool) -> Plain:
     alternative, guards = address(member.field("alternative")), member.field("guards")
     truth = "true" if prioritized else "false"
     return run(call("csp_alternative_init", alternative, guards, unsigned(count), words, truth))
+
+
+def _guards(writer: Writer, step: Choice, part: Run, name: str) -> Iterator[Guard]:
+    """The guards of a run of branches. Those that read share the member for the value, which only the one that is
+    chosen sets.
+    """
+    first: Guard | None = None
+    for number in range(part.start, part.end):
+        branch = step.branches[number]
+        if first is not None and isinstance(branch.event, InputEvent):
+            yield Guard(branch, first.kept)
+            continue
+        guard = make_guard(writer, branch, f"{name}_value_{number}")
+        first = first or guard
+        yield guard
+
+
+def _body(writer: Writer, part: Run, first: Guard) -> _Body:
+    """What a run of branches does once one of their guards is chosen."""
+    outer = writer.in_turns
+    writer.in_turns = outer or part.is_shared
+    statements = writer.statements(part.branch.body)
+    beginning = branch_beginning(writer, Guard(part.branch, first.kept))
+    writer.in_turns = outer
+    return _Body(Guard(part.branch, first.kept), part.start, part.end, [*beginning, *statements])
 
 
 def make_guard(writer: Writer, branch: Branch, name: str) -> Guard:

@@ -19,7 +19,7 @@ from cspdiag.codegen.c.process.steps.laws_in_processes import (
 from cspdiag.codegen.c.process.steps.parallels import parallel
 from cspdiag.codegen.c.process.steps.plain_steps import assign_value, discard, read_value, stop, wait, write_value
 from cspdiag.codegen.c.process.steps.scopes import group, report, scope
-from cspdiag.codegen.c.process.steps.turns import TurnFinder, Turns
+from cspdiag.codegen.c.process.steps.turns import Turns, turn_finder
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import call, ignored, negated, own, unsigned
 from cspdiag.codegen.c.text.literals import quoted
@@ -123,7 +123,7 @@ class CompositionWriter(Writer):
         """
         if self.in_turns or self.current.count is not None:
             return steps
-        return TurnFinder(self.members, lambda name: own(self.shared_member(name, "uint32_t"))).rolled(steps)
+        return turn_finder(self).rolled(steps)
 
     def _turn_by_turn(self, turns: Turns) -> list[Statement]:
         assert turns.counter is not None

@@ -22,8 +22,19 @@ T = TypeVar("T")
 _LARGE = 1 << 62
 """From here on the difference of two numbers may not fit in an ``int``."""
 
-Counters: TypeAlias = tuple[tuple[str, int], ...]
-"""What counts the branches, or the turns of each loop around a step, the innermost first; and how many there are."""
+
+@record
+class Counter:
+    """What counts the branches, or the turns of a loop, from ``start`` on, and how many there are."""
+
+    name: str
+    count: int
+    start: int = 0
+    is_turn: bool = True
+
+
+Counters: TypeAlias = tuple[Counter, ...]
+"""What counts the branches, or the turns of each loop around a step, the innermost first."""
 
 
 @record
@@ -88,13 +99,17 @@ class CountableTree:
         members = self._members
         match part:
             case ir.ChannelEnd(channel=channel):
-                return channel not in self._flagged and members.access(part) not in READING_ENDS
+                return not self._is_flagged(channel) and members.access(part) not in READING_ENDS
             case VariableValue(channel=channel) | ir.Target(channel=channel):
-                return channel not in self._flagged
+                return not self._is_flagged(channel)
             case ir.PortEnd(port=port, index=index):
                 return not members.unwritten.has_port(members.process.name, port, index)
             case _:  # Not a part with a flag.
                 return True
+
+    def _is_flagged(self, channel: str) -> bool:
+        """Whether an element of an array has a flag of its own; that of a single variable is the same for all."""
+        return channel in self._flagged and self._members.arrays.place(channel)[1] is not None
 
     def tree(self, item: Any) -> Any:
         """The same, with nodes that may count."""
@@ -126,6 +141,11 @@ def counting(item: T, changes: Iterator[int]) -> T:
     return cast("T", found)
 
 
+def can_count_from(start: int, first: Outline, changes: Sequence[int]) -> bool:
+    """Whether all numbers can be computed from a counter that is ``start`` for the first branch."""
+    return all(abs(number - change * start) < _LARGE for number, change in zip(first.numbers, changes, strict=True))
+
+
 class Numbering:
     """Turns trees into actions that all branches, or all turns of loops, can share."""
 
@@ -135,19 +155,24 @@ class Numbering:
     def filled(self, item: Any, counters: Counters) -> Any:
         """The tree with actions in place of the nodes that may count."""
         if isinstance(item, _Counted):
-            return self._made(item, [(*each, step) for each, step in zip(counters, item.changes, strict=True) if step])
+            return self._made(item, [(each, step) for each, step in zip(counters, item.changes, strict=True) if step])
         if isinstance(item, tuple):
             return tuple([self.filled(part, counters) for part in item])
         if is_record(item):
             return replaced(item, **{name: self.filled(getattr(item, name), counters) for name in fields_inside(item)})
         return item
 
-    def _made(self, node: _Counted, counted: Sequence[tuple[str, int, int]]) -> object:
-        """The action for a node, with what counts it: the name, how many there are, and by how much it changes."""
-        number = Numbered(tuple([(name, step) for name, _, step in reversed(counted)]), node.value)
+    def _made(self, node: _Counted, counted: Sequence[tuple[Counter, int]]) -> object:
+        """The action for a node, with what counts it, and by how much that changes it."""
+        products = tuple([(counter.name, step) for counter, step in reversed(counted)])
+        number = Numbered(products, node.value - sum(step * counter.start for counter, step in counted))
         match node:
             case _Name(array=array, value=first):
-                return self._members.numbered(array, number) if counted else self._members.arrays.element(array, first)
+                return (
+                    self._members.numbered(array, number, first)
+                    if counted
+                    else self._members.arrays.element(array, first)
+                )
             case _End(port=port, value=first, end=end):
                 if not counted:
                     return ir.PortEnd(port, first, end)
@@ -155,7 +180,7 @@ class Numbering:
             case _Number(type=type_, span=span, value=first):
                 if not counted:
                     return LiteralValue(type=type_, span=span, value=first)
-                ends = [step * (count - 1) for _, count, step in counted]
+                ends = [step * (counter.count - 1) for counter, step in counted]
                 limits = (first + sum(min(end, 0) for end in ends), first + sum(max(end, 0) for end in ends))
                 return VariableValue(type=type_, span=span, channel=self._members.number(number, type_), range=limits)
             case _:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.process.steps.counting import CountableTree, Numbering, counting
+from cspdiag.codegen.c.process.steps.counting import CountableTree, Counter, Numbering, counting
 from cspdiag.codegen.c.process.struct.members import Members
 from cspdiag.codegen.shared.trees import LEAST, Outline
 from cspdiag.network.elaborate.fewer.rows import rows_from
@@ -55,7 +55,7 @@ def replicas(members: Members, steps: Sequence[ir.Action], start: int, number: s
     if count < LEAST or changes is None:
         return None
     first = counting(marked.tree(steps[start]), iter(changes))
-    return Replicas(count, Numbering(members).filled(first, ((number, count),)))
+    return Replicas(count, Numbering(members).filled(first, (Counter(number, count),)))
 
 
 def _known(members: Members, steps: Sequence[ir.Action], start: int) -> int:

@@ -13,9 +13,17 @@ from typing import Any
 
 from cspdiag.base.record import record, replaced
 from cspdiag.codegen.c.process.flow import can_complete
-from cspdiag.codegen.c.process.steps.counting import CountableTree, Counters, Numbering, counting, fields_inside
+from cspdiag.codegen.c.process.steps.counting import (
+    CountableTree,
+    Counter,
+    Counters,
+    Numbering,
+    counting,
+    fields_inside,
+)
 from cspdiag.codegen.c.process.struct.members import Members
-from cspdiag.codegen.c.text.code import Atom, Code
+from cspdiag.codegen.c.process.writer import Writer
+from cspdiag.codegen.c.text.code import Atom, Code, own
 from cspdiag.codegen.c.text.rolling import VARIABLE
 from cspdiag.codegen.shared.trees import LEAST, Outline, outline, repetitions_from
 from cspdiag.network.ir import actions as ir
@@ -67,6 +75,16 @@ class TurnFinder:
         actions = [item.action for item in self._items(steps)]
         return [self._filled(action, ()) if isinstance(action, Turns) else action for action in actions]
 
+    def tree(self, action: ir.Action) -> Any:
+        """The action as a tree that may count, with loops in place of steps that repeat; None if it cannot be
+        shared.
+        """
+        return self._tree(action) if self._trees.is_plain(action) else None
+
+    def filled(self, tree: tuple[Any, ...], counter: Counter) -> tuple[Any, ...]:
+        """The actions for several trees that count with what is around them; whatever is no tree stays as it is."""
+        return tuple([self._filled(each, (counter,)) if isinstance(each, ir.Step) else each for each in tree])
+
     def _items(self, steps: Sequence[ir.Action]) -> list[_Item]:
         """The items of a sequence: loops with the shortest turns are found first, because others may repeat them."""
         items = [_Item(step.span, step) for step in steps]
@@ -112,7 +130,7 @@ class TurnFinder:
         """How often the first ``period`` items repeat, and by how much their numbers change."""
         known = map(self._outline, items)
         outlines = [each for each in takewhile(lambda each: each is not None, known) if each is not None]
-        return repetitions_from(outlines, 0, period, _in_any_steps)
+        return repetitions_from(outlines, 0, period, in_any_steps)
 
     def _outline(self, item: _Item) -> Outline | None:
         if not item.is_known:
@@ -133,7 +151,7 @@ class TurnFinder:
         """The action for a tree, with what counts the turns of the loops around it."""
         if isinstance(action, Turns):
             counter = self._counter(action, around)
-            inside = ((str(counter), action.iterations), *around)
+            inside = (Counter(str(counter), action.iterations), *around)
             return replaced(action, counter=counter, body=self._filled(action.body, inside))
         if isinstance(action, ir.SequentialSteps):
             return replaced(action, steps=tuple([self._filled(step, around) for step in action.steps]))
@@ -142,7 +160,7 @@ class TurnFinder:
         )
 
     def _counter(self, turns: Turns, around: Counters) -> Code:
-        number = sum(turns.waits or name.startswith(VARIABLE) for name, _ in around)
+        number = sum(each.is_turn and (turns.waits or each.name.startswith(VARIABLE)) for each in around)
         suffix = f"_{number + 1}" if number else ""
         return self._member(f"turn{suffix}") if turns.waits else Atom(f"{VARIABLE}{suffix}")
 
@@ -161,6 +179,11 @@ class TurnFinder:
                 case _:  # Every other step continues at once.
                     pass
         return False
+
+
+def turn_finder(writer: Writer) -> TurnFinder:
+    """Finds loops in what a step function does."""
+    return TurnFinder(writer.members, lambda name: own(writer.shared_member(name, "uint32_t")))
 
 
 def _mapped(action: Any, inner: Callable[[Any], Any], part: Callable[[Any], Any]) -> Any:
@@ -193,6 +216,6 @@ def _ends_of_places(items: Sequence[_Item], period: int) -> list[int]:
     return ends
 
 
-def _in_any_steps(_: Sequence[int]) -> bool:
+def in_any_steps(_: Sequence[int]) -> bool:
     """Whether a loop may change numbers by these steps: a turn is a number of its own, so it may change none."""
     return True

@@ -53,13 +53,6 @@ class StructMember:
 
 
 @record
-class ChosenEnd(PortEnd):
-    """The element of an array of ports that an alternative has chosen; ``member`` points to what it is connected to."""
-
-    member: str = ""
-
-
-@record
 class NumberedEnd(PortEnd):
     """The element of an array of ports that the present branch selects by its number; ``index`` is that of the first
     branch.
@@ -196,12 +189,14 @@ class Members:
         """The lvalue of a variable."""
         return self._numbers[name] if name in self._numbers else own(self.member(name))
 
-    def numbered(self, array: str, index: Numbered) -> str:
-        """A name for the element of an array of channels or instances that a branch selects by its number."""
+    def numbered(self, array: str, index: Numbered, start: int) -> str:
+        """A name for the element of an array of channels or instances that a branch selects by its number; the first
+        branch selects that at ``start``.
+        """
         name = f"{array}[]"
         while self._elements_by_number.setdefault(name, (array, index)) != (array, index):
             name += "[]"
-        first = self.arrays.element(array, index.first)
+        first = self.arrays.element(array, start)
         self._plain[name] = self.plain(first)
         if first in self.channels:
             self.channels[name] = self.channels[first]
@@ -215,11 +210,6 @@ class Members:
         number = wide if is_int64(type_) else cast(self.types.type_name(type_), wide)
         self._numbers[str(number)] = number
         return str(number)
-
-    def add_variable(self, name: str) -> str:
-        """The member for a variable of the generator, whose name cannot occur in the source text."""
-        self._plain[name] = self.names.fresh(name)
-        return self._plain[name]
 
     def written(self, name: str) -> Code | None:
         """The flag whether a variable was written; None if it always is before it is read."""
@@ -298,8 +288,6 @@ class Members:
 
     def _end_in_c(self, end: End, *, reads: bool) -> EndInC:
         access, type_, name = self.access(end), self.type(end), name_of(end)
-        if isinstance(end, ChosenEnd):
-            return EndInC(access, own(end.member), code(end.member), True, type_, name)
         if reads and access in READING_ENDS:
             member = self.end_member(end)
             indirect = access == "event"
