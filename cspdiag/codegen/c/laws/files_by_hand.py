@@ -24,7 +24,7 @@ _STRUCTS = frozenset(("network", "network_drivers"))
 
 
 @record
-class _Definition:
+class DefinitionInC:
     """A definition with a body in C."""
 
     name: str
@@ -43,8 +43,8 @@ class _Definition:
 
 
 def refuse_taken_names(
+    definitions: Iterable[DefinitionInC],
     network: Network,
-    environments: Iterable[Environment],
     names: PackageNames,
     texts: Mapping[str, str],
     kernel: Collection[str],
@@ -56,7 +56,7 @@ def refuse_taken_names(
     taken |= {name.lower(): "the name of a file of the kernel" for name in kernel}
     structs = _STRUCTS | names.interface.union(names.types.values())
     found: dict[str, None] = {}
-    for item in _definitions(network, environments):
+    for item in definitions:
         if item.struct in structs:
             what = f"the struct of `{item.name}` would be `{item.struct}`, the name of a generated type"
             found[f"{item.body.span}: {what}\n  help: rename `{item.name}`"] = None
@@ -80,35 +80,29 @@ def refuse_taken_names(
         raise TargetError("\n".join(found))
 
 
-def headers_of_definitions(
-    network: Network, environments: Iterable[Environment], by_hand: Collection[str]
-) -> dict[str, str]:
+def headers_of_definitions(definitions: Iterable[DefinitionInC], by_hand: Collection[str]) -> dict[str, str]:
     """A header with the name of each law and each process whose header by hand has another name."""
     headers: dict[str, str] = {}
-    for item in _definitions(network, environments):
+    for item in definitions:
         if item.file and f"{item.file}.h" not in by_hand:
             header = posixpath.basename(source_paths(item.body)[1])
             headers[f"{item.file}.h"] = f'/* `{item.name}` is written by hand. */\n#include "{header}"\n'
     return headers
 
 
-def structs_by_hand(network: Network, environments: Iterable[Environment]) -> frozenset[str]:
-    """The names of the structs that are defined by hand, with which those of their functions begin."""
-    return frozenset(item.struct for item in _definitions(network, environments))
-
-
-def _definitions(network: Network, environments: Iterable[Environment]) -> Iterator[_Definition]:
+def definitions_in_c(network: Network, environments: Iterable[Environment]) -> Iterator[DefinitionInC]:
+    """What the network has of definitions by hand."""
     for class_ in network.classes:
         if class_.external is not None and class_.external.language == "c":
-            yield _Definition(class_.definition, class_.external)
+            yield DefinitionInC(class_.definition, class_.external)
     for owner in (*network.classes, *environments):
         for call in external_calls(owner):
             if call.external.language == "c":
-                yield _Definition(call.definition, call.external)
+                yield DefinitionInC(call.definition, call.external)
     for environment in environments:
         for driver in environment.drivers:
             if driver.external.language == "c":
-                yield _Definition(driver.definition, driver.external, is_driver=True)
+                yield DefinitionInC(driver.definition, driver.external, is_driver=True)
 
 
 def _generated(network: Network, names: PackageNames) -> Iterator[str]:

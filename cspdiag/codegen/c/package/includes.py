@@ -16,6 +16,8 @@ _DEFINED = re.compile(
 )
 """Macros, functions, types and enumerators."""
 _INCLUDE = re.compile(r'^#include "([^"\n]+)"\n', re.MULTILINE)
+_WORD = re.compile(r"\"(?:\\.|[^\"\\\n])*\"|'\\?[^\n]'|/\*.*?\*/|//[^\n]*|(\w+)", re.DOTALL)
+"""A word that is in no text and no comment; these have an empty one."""
 _EMPTY_LINES = re.compile(r"\n{3,}")
 _FIRST = "csp_core.h"
 """What it includes renames functions of the program, so each file needs it."""
@@ -95,7 +97,7 @@ class Includes:
         return path in self._own
 
     def _needs(self, text: str) -> list[str]:
-        words = set(re.findall(r"\w+", without_comments(text)))
+        words = set(_WORD.findall(text))
         return [header for header, names in self._defined.items() if header == _FIRST or not names.isdisjoint(words)]
 
     def _reached(self, path: str) -> set[str]:

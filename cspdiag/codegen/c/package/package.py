@@ -12,7 +12,7 @@ from cspdiag.codegen.c.interface.layout import Layout
 from cspdiag.codegen.c.laws.by_hand import FILE as TYPES_BY_HAND
 from cspdiag.codegen.c.laws.by_hand import checks_file, refuse_missing_members
 from cspdiag.codegen.c.laws.external import device_files, external_files
-from cspdiag.codegen.c.laws.files_by_hand import headers_of_definitions, refuse_taken_names, structs_by_hand
+from cspdiag.codegen.c.laws.files_by_hand import definitions_in_c, headers_of_definitions, refuse_taken_names
 from cspdiag.codegen.c.laws.fmus import fmu_files
 from cspdiag.codegen.c.laws.laws import law_files
 from cspdiag.codegen.c.laws.macros_by_hand import refuse_colliding_macros
@@ -193,7 +193,8 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
             rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
         files.update(law)
     support = support_files()
-    refuse_taken_names(lowered, simulated, names, modules, support)
+    definitions = tuple(definitions_in_c(lowered, simulated)) if modules else ()
+    refuse_taken_names(definitions, lowered, names, modules, support)
     devices = device_files(simulated, modules)
     by_hand = {**external_files(network, modules), **devices}
     by_hand_layout = Layout({path: text for path, text in by_hand.items() if path.endswith(".h")}, {})
@@ -201,7 +202,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
         if isinstance(class_, ProcessClass) and class_.external is not None:
             require_first_member(class_, by_hand_layout, names)
     refuse_missing_members(lowered, simulated, by_hand_layout, names, types)
-    files.update(headers_of_definitions(lowered, simulated, by_hand))
+    files.update(headers_of_definitions(definitions, by_hand))
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))
@@ -227,7 +228,7 @@ def described(network: CoreNetwork, modules: Mapping[str, str], options: Options
     headers = {path: text for path, text in texts.items() if path.endswith(".h")}
     identifying = {path: text for path, text in texts.items() if path != "main_simulation.c"}
     interface = Interface(lowered, names, types, inlined=options.level > 0)
-    owners = structs_by_hand(lowered, simulated)
+    owners = frozenset(item.struct for item in definitions)
     refuse_colliding_macros(texts, by_hand, owners)
     step_files = interface_files(interface, identifying, headers, render)
     refuse_colliding_macros({**texts, **step_files}, by_hand, owners)
