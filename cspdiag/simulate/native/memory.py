@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from graphlib import CycleError, TopologicalSorter
 
 from cspdiag.base.files.json_text import read_json
 from cspdiag.base.record import record
@@ -231,15 +232,11 @@ def unbounded(functions: Mapping[str, FunctionFacts]) -> str:
     for name, function in sorted(functions.items()):
         if function.grows:
             return f"{name} has an array of variable length, or calls alloca"
-        reached = set(function.calls or ())
-        ahead = list(reached)
-        while ahead:
-            further = functions.get(ahead.pop())
-            new = set(further.calls or () if further else ()) - reached
-            reached |= new
-            ahead += new
-        if name in reached:
-            return f"{name} calls itself, directly or through others"
+    calls = TopologicalSorter({name: function.calls or () for name, function in functions.items()})
+    try:
+        calls.prepare()
+    except CycleError as found:
+        return f"{min(found.args[1])} calls itself, directly or through others"
     return ""
 
 
