@@ -99,17 +99,23 @@ def divided(text: str) -> tuple[str, Sequence[Directive]]:
 def _guard(directives: Sequence[Directive]) -> Sequence[Directive]:
     """The include guard: the first condition, which ends last, has no other branch, and defines what it asks for."""
     conditions = [one for one in directives if one.word in CONDITIONS or one.word in ("else", "elif", "endif")]
-    asked = _GUARDED.fullmatch(f"{conditions[0].word} {conditions[0].rest}") if conditions else None
+    name = _asked_for(conditions[0]) if conditions else ""
     depth = 0
     for one in conditions[:-1]:
         depth += 1 if one.word in CONDITIONS else -1 if one.word == "endif" else 0
         if depth == 0 or (depth == 1 and one.word in ("else", "elif")):
             return ()
-    if asked is None or conditions[-1].word != "endif":
+    if not name or conditions[-1].word != "endif":
         return ()
-    is_defining = re.compile(rf"{asked[1] or asked[2]}\s*\d*").fullmatch
+    is_defining = re.compile(rf"{name}\s*\d*").fullmatch
     defined = [one for one in directives if one.word == "define" and is_defining(one.rest)]
     return (conditions[0], defined[0], conditions[-1]) if defined else ()
+
+
+def _asked_for(condition: Directive) -> str:
+    """The macro that a condition asks not to be defined; empty if it asks for something else."""
+    asked = _GUARDED.fullmatch(f"{condition.word} {condition.rest}")
+    return (asked[1] or asked[2]) if asked else ""
 
 
 def _inner_guards(directives: Sequence[Directive], text: str) -> Iterator[Directive]:
@@ -122,8 +128,7 @@ def _inner_guards(directives: Sequence[Directive], text: str) -> Iterator[Direct
             opened[-1] = None
         elif one.word == "endif" and opened and (begin := opened.pop()) is not None:
             asking, defining = directives[begin : begin + 2]
-            asked = _GUARDED.fullmatch(asking.text.removeprefix("#"))
-            name = asked and (asked[1] or asked[2])
+            name = _asked_for(asking)
             if name and defining.text == f"#define {name}" and text[defining.end : one.start].strip():
                 yield from (asking, defining, one)
 

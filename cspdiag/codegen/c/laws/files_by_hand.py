@@ -17,8 +17,6 @@ from cspdiag.network.ir.network import Environment, Network, ProcessClass
 _ENDINGS = (".c", ".h")
 _UNUSED = frozenset(("main", "port", "exceptions", "environment", "fmu", "values"))
 """Of the names that no class may have, those that no file of a package has."""
-
-
 _STRUCTS = frozenset(("network", "network_drivers"))
 """Those that are generated, besides those of classes, of types and of the interface."""
 

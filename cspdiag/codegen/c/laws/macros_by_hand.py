@@ -14,7 +14,7 @@ from cspdiag.codegen.c.text.reserved import is_reserved
 from cspdiag.codegen.shared.target_error import TargetError
 
 _TEXT = re.compile(r"\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'")
-_WORD = re.compile(r"\b[A-Za-z_]\w*\b(\s*\()?")
+_WORD = re.compile(r"\b([A-Za-z_]\w*)\b(\s*\()?")
 _NAME = re.compile(r"\b[A-Za-z_]\w*\b")
 _DEFINITION = re.compile(r"(\w+)(\(?)(.*)", re.DOTALL)
 _ENUM = re.compile(r"\benum\s*\w*\s*\{([^{}]*)\}")
@@ -131,7 +131,7 @@ def _generated(path: str, text: str) -> Iterator[_Step]:
                 yield _Macro(found[1], bool(found[2]), " ".join(_text_of(found).split()), path, 0)
         else:
             for found in _WORD.finditer(_TEXT.sub('""', row)):
-                yield _Use(found[0].rstrip("( \t"), stripped, bool(found[1]))
+                yield _Use(found[1], stripped, bool(found[2]))
 
 
 def _text_of(definition: re.Match[str]) -> str:
@@ -145,7 +145,7 @@ def _text_of(definition: re.Match[str]) -> str:
 
 def _with_those_that_mean(names: Collection[str], steps: Sequence[_Step]) -> set[str]:
     """The macros of generated code in whose texts one of the names is, or another one of them."""
-    macros = [(step.name, {found[0].rstrip("( \t") for found in _WORD.finditer(step.body)})
+    macros = [(step.name, set(_NAME.findall(step.body)))
               for step in steps if isinstance(step, _Macro)]  # fmt: skip
     found: set[str] = set()
     while more := {name for name, words in macros if name not in found and not words.isdisjoint(found.union(names))}:
@@ -211,7 +211,7 @@ def _replacing(
         else:
             text = f"#define {macro.name}{'(...)' if macro.has_arguments else ''} {macro.body}"
             words = _WORD.finditer(_TEXT.sub('""', macro.body))
-            pending += [(found[0].rstrip("( \t"), bool(found[1]), text, macro.path) for found in words]
+            pending += [(found[1], bool(found[2]), text, macro.path) for found in words]
 
 
 def _reason(macro: _Macro, shown: str, where: str) -> str:
